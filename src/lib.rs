@@ -1,1 +1,82 @@
-pub fn x(){}
+//! Landfall: every byte you upload lands where the shader reads it.
+
+pub mod diagnostic;
+pub mod emit;
+pub mod error;
+pub mod layout;
+pub mod parse;
+pub mod shape;
+pub mod source;
+
+pub use diagnostic::{Diagnostic, Label, Severity};
+pub use error::Error;
+pub use layout::{BlockLayout, Leaf, MemberLayout};
+pub use shape::{AddressSpace, ArrayLen, Rules, Type};
+pub use source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
+
+use shape::Override;
+
+/// How a shader is laid out.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// How its text is read.
+    pub read: ReadOptions,
+    /// Lay every block out by these rules instead of its own.
+    pub rules: Option<Rules>,
+    /// Gather loose uniforms into one std140 block named `DefaultBlock`.
+    pub gather: bool,
+    /// Ask naga too, and note on each leaf where its answer differs.
+    pub naga: bool,
+}
+
+/// The layouts of one shader, and all there is to say about it.
+#[derive(Clone, Debug)]
+pub struct ShaderLayout {
+    /// The path as messages print it.
+    pub path: String,
+    /// The language it is written in.
+    pub language: Language,
+    /// The stage it is written for, where known.
+    pub stage: Option<Stage>,
+    /// Its blocks in the order of the text; loose uniforms come last.
+    pub blocks: Vec<BlockLayout>,
+    /// Specialisation constants and overrides that sizes depend on.
+    pub overrides: Vec<Override>,
+    /// The files it is made of: itself, then its includes.
+    pub files: Files,
+    /// Errors and warnings in the order they were found.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl ShaderLayout {
+    /// Whether any finding is an error: then some block may be missing.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|d| d.severity == Severity::Error)
+    }
+}
+
+/// Lays out every block of a shader.
+pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
+    let parsed = parse::parse(source, &options.read, options.gather);
+    let mut diagnostics = parsed.diagnostics;
+    let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
+    for mut block in parsed.shape.blocks {
+        if let Some(rules) = options.rules {
+            block.rules = rules;
+            block.rules_declared = true;
+        }
+        match layout::lay_out(&block) {
+            Ok(layout) => blocks.push(layout),
+            Err(mut found) => diagnostics.append(&mut found),
+        }
+    }
+    ShaderLayout {
+        path: source.path.clone(),
+        language: source.language,
+        stage: source.stage,
+        blocks,
+        overrides: parsed.shape.overrides,
+        files: parsed.files,
+        diagnostics,
+    }
+}

@@ -1,0 +1,1 @@
+//! Layouts and findings as text.

@@ -1,0 +1,312 @@
+//! The table of rules: alignment, size and strides of every type under std140,
+//! std430, scalar and WGSL.
+//!
+//! Each arm cites the rule it applies: the numbers are those of OpenGL 4.6
+//! §7.6.2.2 for std140 and std430, `GL_EXT_scalar_block_layout` for scalar, and
+//! the sections of the WGSL specification.
+
+use crate::shape::{ArrayLen, Majorness, Member, Rules, Type};
+
+/// A power of two that offsets are rounded up to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Alignment(u64);
+
+impl Alignment {
+    /// One byte: no constraint.
+    pub const ONE: Alignment = Alignment(1);
+    /// Sixteen bytes: a `vec4`.
+    pub const VEC4: Alignment = Alignment(16);
+
+    /// The alignment of that many bytes, if it is a power of two.
+    pub fn new(bytes: u64) -> Option<Alignment> {
+        bytes.is_power_of_two().then_some(Alignment(bytes))
+    }
+
+    /// In bytes.
+    pub fn bytes(self) -> u64 {
+        self.0
+    }
+
+    /// The first multiple that is not below `offset`.
+    pub fn round_up(self, offset: u64) -> Result<u64, TooLarge> {
+        offset.checked_next_multiple_of(self.0).ok_or(TooLarge)
+    }
+
+    /// Whether `offset` is a multiple.
+    pub fn divides(self, offset: u64) -> bool {
+        offset % self.0 == 0
+    }
+}
+
+/// A size left the numbers a byte offset can be counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooLarge;
+
+/// Which rule an [`Extent`] follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// One component.
+    Scalar,
+    /// A vector of two or four components.
+    Vector2Or4,
+    /// A vector of three components.
+    Vector3,
+    /// An array of scalars or vectors.
+    ArrayOfVectors,
+    /// A column-major matrix.
+    ColumnMajor,
+    /// An array of column-major matrices.
+    ArrayOfColumnMajor,
+    /// A row-major matrix.
+    RowMajor,
+    /// An array of row-major matrices.
+    ArrayOfRowMajor,
+    /// A structure.
+    Structure,
+    /// An array of structures.
+    ArrayOfStructures,
+    /// A 64-bit address.
+    Address,
+}
+
+impl Rule {
+    /// The rule as its specification numbers it: `std140 rule 4`, `WGSL §14.4.1`.
+    pub fn cite(self, rules: Rules) -> String {
+        let number = match self {
+            Rule::Scalar => 1,
+            Rule::Vector2Or4 => 2,
+            Rule::Vector3 => 3,
+            Rule::ArrayOfVectors => 4,
+            Rule::ColumnMajor => 5,
+            Rule::ArrayOfColumnMajor => 6,
+            Rule::RowMajor => 7,
+            Rule::ArrayOfRowMajor => 8,
+            Rule::Structure => 9,
+            Rule::ArrayOfStructures => 10,
+            Rule::Address => return "GL_EXT_buffer_reference".to_string(),
+        };
+        match rules {
+            Rules::Std140 | Rules::Std430 => format!("{} rule {number}", rules.name()),
+            Rules::Scalar => "GL_EXT_scalar_block_layout".to_string(),
+            Rules::Wgsl => match self {
+                Rule::Structure => "WGSL §14.4.2".to_string(),
+                Rule::ArrayOfVectors
+                | Rule::ArrayOfColumnMajor
+                | Rule::ArrayOfRowMajor
+                | Rule::ArrayOfStructures => "WGSL §14.4.3".to_string(),
+                _ => "WGSL §14.4.1".to_string(),
+            },
+        }
+    }
+
+    /// What the rule says, in one line.
+    pub fn text(self, rules: Rules) -> &'static str {
+        let packed = rules == Rules::Scalar;
+        let rounded = rules == Rules::Std140;
+        match self {
+            Rule::Scalar => "a scalar is aligned to its size",
+            Rule::Vector2Or4 | Rule::Vector3 if packed => "a vector is aligned to its component",
+            Rule::Vector2Or4 => "a vector of 2 or 4 components is aligned to its size",
+            Rule::Vector3 => "a vector of 3 components is aligned to 4 of them",
+            Rule::ArrayOfVectors if rounded => {
+                "an array's alignment and stride are its element's, rounded up to 16"
+            }
+            Rule::ArrayOfVectors => {
+                "an array's stride is its element's size, rounded up to its alignment"
+            }
+            Rule::ColumnMajor => "a column-major matrix is an array of its columns",
+            Rule::ArrayOfColumnMajor => {
+                "an array of column-major matrices is an array of all columns"
+            }
+            Rule::RowMajor => "a row-major matrix is an array of its rows",
+            Rule::ArrayOfRowMajor => "an array of row-major matrices is an array of all rows",
+            Rule::Structure if rounded => {
+                "a structure is aligned to its largest member, rounded up to 16, and padded to that"
+            }
+            Rule::Structure => "a structure is aligned to its largest member and padded to that",
+            Rule::ArrayOfStructures => "an array of structures: each element is laid out in order",
+            Rule::Address => "an address is 8 bytes, aligned to 8",
+        }
+    }
+}
+
+/// What a type takes up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Its offset is a multiple of this.
+    pub align: Alignment,
+    /// Bytes: a `vec3` is 12, an array stride × count, a structure rounded up to its alignment.
+    /// `None` when it ends in a runtime-sized array.
+    pub size: Option<u64>,
+    /// From one element to the next, when it is an array.
+    pub array_stride: Option<u64>,
+    /// From one column (row) to the next, when it is a matrix or an array of them.
+    pub matrix_stride: Option<u64>,
+    /// The rule that says so.
+    pub rule: Rule,
+}
+
+/// What a type takes up under `rules`; matrices in it are stored as `majorness` says.
+pub fn extent(ty: &Type, rules: Rules, majorness: Majorness) -> Result<Extent, TooLarge> {
+    match ty {
+        // Rule 1; WGSL §14.4.1: a scalar is aligned to its size.
+        Type::Scalar(scalar) | Type::Atomic(scalar) => Ok(plain(scalar.width.into(), 1, rules)),
+        Type::Address(_) => Ok(Extent { rule: Rule::Address, ..plain(8, 1, rules) }),
+        // Rules 2 and 3; WGSL §14.4.1.
+        Type::Vector { scalar, rows } => Ok(plain(scalar.width.into(), *rows, rules)),
+        // Rules 5 and 7: a matrix is an array of its columns (or rows); WGSL §14.4.1 likewise.
+        Type::Matrix { scalar, columns, rows } => {
+            let (count, length, rule) = match majorness {
+                Majorness::Column => (*columns, *rows, Rule::ColumnMajor),
+                Majorness::Row => (*rows, *columns, Rule::RowMajor),
+            };
+            let vector = plain(scalar.width.into(), length, rules);
+            let array = array_of(vector, &ArrayLen::Fixed(count.into()), rules, rule)?;
+            Ok(Extent { array_stride: None, matrix_stride: array.array_stride, ..array })
+        }
+        // Rules 4, 6, 8 and 10; WGSL §14.4.3.
+        Type::Array { element, len } => {
+            let rule = match (element.innermost(), majorness) {
+                (Type::Matrix { .. }, Majorness::Column) => Rule::ArrayOfColumnMajor,
+                (Type::Matrix { .. }, Majorness::Row) => Rule::ArrayOfRowMajor,
+                (Type::Struct(_), _) => Rule::ArrayOfStructures,
+                _ => Rule::ArrayOfVectors,
+            };
+            array_of(extent(element, rules, majorness)?, len, rules, rule)
+        }
+        // Rule 9; WGSL §14.4.2.
+        Type::Struct(s) => {
+            let mut cursor = Cursor::new(rules);
+            for member in &s.members {
+                cursor.place(member, majorness)?;
+            }
+            cursor.structure()
+        }
+    }
+}
+
+/// A scalar (one component) or vector.
+fn plain(width: u64, components: u8, rules: Rules) -> Extent {
+    let (align, rule) = match (rules, components) {
+        (_, 1) => (width, Rule::Scalar),
+        // GL_EXT_scalar_block_layout: a vector is aligned like its component.
+        (Rules::Scalar, 3) => (width, Rule::Vector3),
+        (Rules::Scalar, _) => (width, Rule::Vector2Or4),
+        // Rule 3: three components are aligned like four.
+        (_, 3) => (4 * width, Rule::Vector3),
+        // Rule 2.
+        (_, n) => (u64::from(n) * width, Rule::Vector2Or4),
+    };
+    Extent {
+        align: Alignment::new(align).expect("1, 2 or 4 components of 1, 2, 4 or 8 bytes"),
+        size: Some(width * u64::from(components)),
+        array_stride: None,
+        matrix_stride: None,
+        rule,
+    }
+}
+
+/// An array of an element with that extent.
+fn array_of(element: Extent, len: &ArrayLen, rules: Rules, rule: Rule) -> Result<Extent, TooLarge> {
+    // Rule 4: std140 rounds the alignment of every array up to that of a vec4; the others do not.
+    let align = match rules {
+        Rules::Std140 => element.align.max(Alignment::VEC4),
+        Rules::Std430 | Rules::Scalar | Rules::Wgsl => element.align,
+    };
+    // An element without a size of its own is refused by the parsers.
+    let stride = align.round_up(element.size.unwrap_or(0))?;
+    let size = match len {
+        ArrayLen::Fixed(n) => Some(stride.checked_mul((*n).into()).ok_or(TooLarge)?),
+        ArrayLen::Runtime | ArrayLen::Override(_) => None,
+    };
+    Ok(Extent {
+        align,
+        size,
+        array_stride: Some(stride),
+        matrix_stride: element.matrix_stride,
+        rule,
+    })
+}
+
+/// Where a member starts, and what it takes up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Placed {
+    /// From the start of the structure or block it is a member of.
+    pub offset: u64,
+    /// Its type's extent; `align` and `size` as its attributes make them.
+    pub extent: Extent,
+    /// Matrix storage in force for it.
+    pub majorness: Majorness,
+}
+
+/// Places the members of a structure or block one after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct Cursor {
+    rules: Rules,
+    /// End of the last member placed; `None` after a runtime-sized one.
+    end: Option<u64>,
+    /// Furthest end of any member, a runtime-sized one counted with one element.
+    furthest: u64,
+    align: Alignment,
+}
+
+impl Cursor {
+    /// At the start of a structure or block.
+    pub fn new(rules: Rules) -> Cursor {
+        Cursor { rules, end: Some(0), furthest: 0, align: Alignment::ONE }
+    }
+
+    /// Places the next member. Matrices of members that do not say are stored as `inherited` says.
+    pub fn place(&mut self, member: &Member, inherited: Majorness) -> Result<Placed, TooLarge> {
+        let majorness = member.majorness.unwrap_or(inherited);
+        let mut extent = extent(&member.ty, self.rules, majorness)?;
+        // GLSL 4.60 §4.4.5 `align`: the greater of it and the type's own; WGSL §14.4.2 `@align`.
+        if let Some(align) = member.align.and_then(|written| Alignment::new(written.value)) {
+            extent.align = extent.align.max(align);
+        }
+        // WGSL §14.4.2 `@size`.
+        if let Some(size) = member.size {
+            extent.size = extent.size.map(|own| own.max(size.value));
+        }
+        // GLSL 4.60 §4.4.5 `offset`: start there instead of after the predecessor.
+        let start = match member.offset {
+            Some(written) => written.value,
+            None => self.end.unwrap_or(self.furthest),
+        };
+        let offset = extent.align.round_up(start)?;
+        let end = match extent.size {
+            Some(size) => Some(offset.checked_add(size).ok_or(TooLarge)?),
+            None => None,
+        };
+        let one_element = extent.array_stride.unwrap_or(0);
+        let reach = end.map_or_else(|| offset.checked_add(one_element).ok_or(TooLarge), Ok)?;
+        self.end = end;
+        self.furthest = self.furthest.max(reach);
+        self.align = self.align.max(extent.align);
+        Ok(Placed { offset, extent, majorness })
+    }
+
+    /// Where the next member without an explicit offset may start.
+    pub fn end(&self) -> Option<u64> {
+        self.end
+    }
+
+    /// Furthest end of any member placed so far, a runtime-sized one counted with one element.
+    pub fn furthest(&self) -> u64 {
+        self.furthest
+    }
+
+    /// The extent of the structure whose members were placed.
+    pub fn structure(self) -> Result<Extent, TooLarge> {
+        // Rule 9: std140 rounds a structure's alignment up to that of a vec4.
+        let align = match self.rules {
+            Rules::Std140 => self.align.max(Alignment::VEC4),
+            Rules::Std430 | Rules::Scalar | Rules::Wgsl => self.align,
+        };
+        let size = match self.end {
+            Some(_) => Some(align.round_up(self.furthest)?),
+            None => None,
+        };
+        Ok(Extent { align, size, array_stride: None, matrix_stride: None, rule: Rule::Structure })
+    }
+}

@@ -1,0 +1,319 @@
+//! Values of constant expressions, and the operators and functions both
+//! languages have on them. The grammars live with their languages.
+
+/// A constant: what an array size is computed from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// `true`, `false`.
+    Bool(bool),
+    /// WGSL's AbstractInt.
+    Abstract(i64),
+    /// 32-bit signed.
+    Int(i32),
+    /// 32-bit unsigned.
+    Uint(u32),
+    /// 64-bit signed.
+    Long(i64),
+    /// 64-bit unsigned.
+    Ulong(u64),
+    /// Any floating-point type.
+    Float(f64),
+    /// A vector or array: its components or elements.
+    List(Vec<Value>),
+}
+
+/// Why an expression has no value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// Division or remainder by zero.
+    DivisionByZero,
+    /// A result its type cannot hold, where the language forbids wrapping.
+    Overflow,
+    /// Operands that do not go together.
+    Mismatch,
+    /// An operator or function that is not evaluated here.
+    Unsupported,
+}
+
+/// A conversion target: the scalar constructors of both languages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Kind {
+    Bool,
+    Int,
+    Uint,
+    Long,
+    Ulong,
+    Float,
+}
+
+use Value::{Abstract, Bool, Float, Int, List, Long, Uint, Ulong};
+
+impl Value {
+    /// The value as a whole number, if it is one.
+    pub fn integer(&self) -> Option<i128> {
+        match *self {
+            Abstract(v) | Long(v) => Some(v.into()),
+            Int(v) => Some(v.into()),
+            Uint(v) => Some(v.into()),
+            Ulong(v) => Some(v.into()),
+            Bool(_) | Float(_) | List(_) => None,
+        }
+    }
+
+    /// The value as a truth value, if it is one.
+    pub fn truth(&self) -> Option<bool> {
+        match *self {
+            Bool(v) => Some(v),
+            _ => None,
+        }
+    }
+
+    fn float(&self) -> Option<f64> {
+        match *self {
+            Float(v) => Some(v),
+            _ => self.integer().map(|v| v as f64),
+        }
+    }
+
+    /// The value converted as a constructor such as `uint(x)` does; lists component by component.
+    pub fn convert(&self, kind: Kind) -> Result<Value, Fault> {
+        if let List(items) = self {
+            return items.iter().map(|v| v.convert(kind)).collect::<Result<_, _>>().map(List);
+        }
+        let integer = match *self {
+            Bool(v) => i128::from(v),
+            // GLSL 4.60 §5.4.1: a float is truncated towards zero.
+            Float(v) => v as i128,
+            _ => self.integer().ok_or(Fault::Mismatch)?,
+        };
+        Ok(match kind {
+            Kind::Bool => Bool(match self {
+                Float(v) => *v != 0.0,
+                _ => integer != 0,
+            }),
+            Kind::Int => Int(integer as i32),
+            Kind::Uint => Uint(integer as u32),
+            Kind::Long => Long(integer as i64),
+            Kind::Ulong => Ulong(integer as u64),
+            Kind::Float => Float(self.float().unwrap_or(integer as f64)),
+        })
+    }
+}
+
+/// `op` before a value: `-`, `+`, `!`, `~`.
+pub fn unary(op: &str, value: &Value) -> Result<Value, Fault> {
+    if let List(items) = value {
+        return items.iter().map(|v| unary(op, v)).collect::<Result<_, _>>().map(List);
+    }
+    match (op, value) {
+        ("+", Bool(_)) => Err(Fault::Mismatch),
+        ("+", v) => Ok(v.clone()),
+        ("-", Abstract(v)) => v.checked_neg().map(Abstract).ok_or(Fault::Overflow),
+        ("-", Int(v)) => Ok(Int(v.wrapping_neg())),
+        ("-", Uint(v)) => Ok(Uint(v.wrapping_neg())),
+        ("-", Long(v)) => Ok(Long(v.wrapping_neg())),
+        ("-", Ulong(v)) => Ok(Ulong(v.wrapping_neg())),
+        ("-", Float(v)) => Ok(Float(-v)),
+        ("!", Bool(v)) => Ok(Bool(!v)),
+        ("~", Abstract(v)) => Ok(Abstract(!v)),
+        ("~", Int(v)) => Ok(Int(!v)),
+        ("~", Uint(v)) => Ok(Uint(!v)),
+        ("~", Long(v)) => Ok(Long(!v)),
+        ("~", Ulong(v)) => Ok(Ulong(!v)),
+        _ => Err(Fault::Mismatch),
+    }
+}
+
+/// `a op b` for the operators both languages share; `^^` is GLSL's.
+pub fn binary(op: &str, a: &Value, b: &Value) -> Result<Value, Fault> {
+    match (a, b) {
+        (List(x), List(y)) if matches!(op, "==" | "!=") => Ok(Bool((x == y) == (op == "=="))),
+        (List(x), List(y)) if x.len() == y.len() => {
+            x.iter().zip(y).map(|(a, b)| binary(op, a, b)).collect::<Result<_, _>>().map(List)
+        }
+        (List(x), _) => x.iter().map(|a| binary(op, a, b)).collect::<Result<_, _>>().map(List),
+        (_, List(y)) => y.iter().map(|b| binary(op, a, b)).collect::<Result<_, _>>().map(List),
+        (Bool(x), Bool(y)) => match op {
+            "&&" | "&" => Ok(Bool(*x && *y)),
+            "||" | "|" => Ok(Bool(*x || *y)),
+            "^^" | "!=" => Ok(Bool(x != y)),
+            "==" => Ok(Bool(x == y)),
+            _ => Err(Fault::Mismatch),
+        },
+        (Float(_), _) | (_, Float(_)) => {
+            let (Some(x), Some(y)) = (a.float(), b.float()) else { return Err(Fault::Mismatch) };
+            floats(op, x, y)
+        }
+        _ => integers(op, a, b),
+    }
+}
+
+fn floats(op: &str, x: f64, y: f64) -> Result<Value, Fault> {
+    Ok(match op {
+        "+" => Float(x + y),
+        "-" => Float(x - y),
+        "*" => Float(x * y),
+        "/" if y == 0.0 => return Err(Fault::DivisionByZero),
+        "/" => Float(x / y),
+        "%" => Float(x % y),
+        _ => return compare(op, &x, &y),
+    })
+}
+
+fn compare<T: PartialOrd>(op: &str, x: &T, y: &T) -> Result<Value, Fault> {
+    Ok(Bool(match op {
+        "==" => x == y,
+        "!=" => x != y,
+        "<" => x < y,
+        ">" => x > y,
+        "<=" => x <= y,
+        ">=" => x >= y,
+        _ => return Err(Fault::Unsupported),
+    }))
+}
+
+/// Computes wide, then brings the result back to the wider of both types.
+fn integers(op: &str, a: &Value, b: &Value) -> Result<Value, Fault> {
+    let (Some(x), Some(y)) = (a.integer(), b.integer()) else { return Err(Fault::Mismatch) };
+    let shift = matches!(op, "<<" | ">>");
+    let wide = match op {
+        "+" => x + y,
+        "-" => x - y,
+        "*" => x.checked_mul(y).ok_or(Fault::Overflow)?,
+        "/" | "%" if y == 0 => return Err(Fault::DivisionByZero),
+        "/" => x / y,
+        "%" => x % y,
+        "&" => x & y,
+        "|" => x | y,
+        "^" => x ^ y,
+        "<<" | ">>" if !(0..64).contains(&y) => return Err(Fault::Overflow),
+        "<<" => x << y,
+        ">>" => x >> y,
+        _ => return compare(op, &x, &y),
+    };
+    // GLSL 4.60 §4.1.10: int converts to uint, 32 bits to 64; a shift keeps its left type.
+    match (a, b) {
+        _ if shift => narrow(a, wide),
+        (Ulong(_), _) | (_, Ulong(_)) => Ok(Ulong(wide as u64)),
+        (Long(_), _) | (_, Long(_)) => Ok(Long(wide as i64)),
+        (Uint(_), _) | (_, Uint(_)) => Ok(Uint(wide as u32)),
+        (Int(_), _) | (_, Int(_)) => Ok(Int(wide as i32)),
+        _ => narrow(&Abstract(0), wide),
+    }
+}
+
+fn narrow(like: &Value, wide: i128) -> Result<Value, Fault> {
+    Ok(match like {
+        Int(_) => Int(wide as i32),
+        Uint(_) => Uint(wide as u32),
+        Long(_) => Long(wide as i64),
+        Ulong(_) => Ulong(wide as u64),
+        // WGSL §8.1: an AbstractInt that overflows is an error.
+        _ => Abstract(i64::try_from(wide).map_err(|_| Fault::Overflow)?),
+    })
+}
+
+/// A call of a function both languages, or one of them, evaluate in constant expressions.
+pub fn call(name: &str, args: &[Value]) -> Result<Value, Fault> {
+    let reduces = matches!(name, "dot" | "any" | "all");
+    let components = args.iter().find_map(|arg| match arg {
+        List(items) => Some(items.len()),
+        _ => None,
+    });
+    if let (Some(components), false) = (components, reduces) {
+        let part = |arg: &Value, i: usize| match arg {
+            List(items) => items.get(i).cloned().ok_or(Fault::Mismatch),
+            scalar => Ok(scalar.clone()),
+        };
+        return (0..components)
+            .map(|i| {
+                let row = args.iter().map(|arg| part(arg, i)).collect::<Result<Vec<_>, _>>()?;
+                call(name, &row)
+            })
+            .collect::<Result<_, _>>()
+            .map(List);
+    }
+    match (name, args) {
+        ("min", [a, b]) => Ok(if truth("<", b, a)? { b.clone() } else { a.clone() }),
+        ("max", [a, b]) => Ok(if truth("<", a, b)? { b.clone() } else { a.clone() }),
+        ("clamp", [x, low, high]) => {
+            call("min", &[call("max", &[x.clone(), low.clone()])?, high.clone()])
+        }
+        // WGSL §17.3: `select(if_false, if_true, condition)`.
+        ("select", [no, yes, Bool(condition)]) => Ok(if *condition { yes } else { no }.clone()),
+        ("abs", [Float(x)]) => Ok(Float(x.abs())),
+        ("abs", [x]) => {
+            if x.integer().ok_or(Fault::Mismatch)? < 0 {
+                unary("-", x)
+            } else {
+                Ok(x.clone())
+            }
+        }
+        ("sign", [Float(x)]) => Ok(Float(if *x == 0.0 { 0.0 } else { x.signum() })),
+        ("sign", [x]) => narrow(x, x.integer().ok_or(Fault::Mismatch)?.signum()),
+        ("any", [List(items)]) => Ok(Bool(items.contains(&Bool(true)))),
+        ("all", [List(items)]) => Ok(Bool(!items.contains(&Bool(false)))),
+        ("dot", [List(a), List(b)]) if a.len() == b.len() && !a.is_empty() => {
+            let products = a.iter().zip(b).map(|(a, b)| binary("*", a, b));
+            products.reduce(|sum, p| binary("+", &sum?, &p?)).expect("at least one component")
+        }
+        ("bitCount" | "countOneBits", [x]) => bits(x, |v| v.count_ones()),
+        ("findMSB" | "firstLeadingBit", [Uint(x)]) if *x != 0 => Ok(Uint(31 - x.leading_zeros())),
+        ("findMSB" | "firstLeadingBit", [Int(x)]) if *x > 0 => {
+            Ok(Int(31 - x.leading_zeros() as i32))
+        }
+        ("findLSB" | "firstTrailingBit", [x]) if x.integer() != Some(0) => {
+            bits(x, u32::trailing_zeros)
+        }
+        ("countLeadingZeros", [x]) => bits(x, u32::leading_zeros),
+        ("countTrailingZeros", [x]) => bits(x, u32::trailing_zeros),
+        (_, [x]) => rounding(name, x.float().ok_or(Fault::Mismatch)?),
+        (_, [x, y]) => {
+            let (Some(x), Some(y)) = (x.float(), y.float()) else { return Err(Fault::Mismatch) };
+            match name {
+                "pow" => Ok(Float(x.powf(y))),
+                "mod" => Ok(Float(x - y * (x / y).floor())),
+                "step" => Ok(Float(if y < x { 0.0 } else { 1.0 })),
+                _ => Err(Fault::Unsupported),
+            }
+        }
+        _ => Err(Fault::Unsupported),
+    }
+}
+
+fn truth(op: &str, a: &Value, b: &Value) -> Result<bool, Fault> {
+    binary(op, a, b)?.truth().ok_or(Fault::Mismatch)
+}
+
+fn bits(value: &Value, count: impl Fn(u32) -> u32) -> Result<Value, Fault> {
+    match value {
+        Int(v) => Ok(Int(count(*v as u32) as i32)),
+        Uint(v) => Ok(Uint(count(*v))),
+        Abstract(v) => {
+            Ok(Abstract(count(i32::try_from(*v).map_err(|_| Fault::Overflow)? as u32).into()))
+        }
+        _ => Err(Fault::Mismatch),
+    }
+}
+
+fn rounding(name: &str, x: f64) -> Result<Value, Fault> {
+    Ok(Float(match name {
+        "floor" => x.floor(),
+        "ceil" => x.ceil(),
+        "trunc" => x.trunc(),
+        "round" | "roundEven" => x.round_ties_even(),
+        "fract" => x - x.floor(),
+        "sqrt" => x.sqrt(),
+        "inversesqrt" | "inverseSqrt" => 1.0 / x.sqrt(),
+        "exp" => x.exp(),
+        "exp2" => x.exp2(),
+        "log" => x.ln(),
+        "log2" => x.log2(),
+        "radians" => x.to_radians(),
+        "degrees" => x.to_degrees(),
+        "sin" => x.sin(),
+        "cos" => x.cos(),
+        _ => return Err(Fault::Unsupported),
+    }))
+}
