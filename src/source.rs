@@ -5,7 +5,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::error::Error;
 
@@ -225,6 +225,17 @@ pub struct File {
     pub path: String,
     /// The text.
     pub text: Arc<str>,
+    /// Where its lines start, found when first asked for.
+    lines: OnceLock<Vec<u32>>,
+}
+
+impl File {
+    fn lines(&self) -> &[u32] {
+        self.lines.get_or_init(|| {
+            let ends = memchr::memchr_iter(b'\n', self.text.as_bytes());
+            std::iter::once(0).chain(ends.map(|end| end as u32 + 1)).collect()
+        })
+    }
 }
 
 /// The files of one shader, and the way from a [`Span`] to line and column.
@@ -247,7 +258,7 @@ pub struct Location {
 impl Files {
     /// Adds a file and returns its index for [`Span::file`].
     pub fn add(&mut self, path: impl Into<String>, text: Arc<str>) -> u32 {
-        self.files.push(File { path: path.into(), text });
+        self.files.push(File { path: path.into(), text, lines: OnceLock::new() });
         self.files.len() as u32 - 1
     }
 
@@ -274,12 +285,12 @@ impl Files {
             return Location { path: String::new(), line: 0, column: 0 };
         };
         let start = (span.start as usize).min(file.text.len());
-        let before = &file.text.as_bytes()[..start];
-        let line = before.iter().filter(|&&b| b == b'\n').count() as u32 + 1;
-        let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+        let lines = file.lines();
+        let line = lines.partition_point(|&line| line as usize <= start);
+        let before = &file.text.as_bytes()[lines[line - 1] as usize..start];
         // Continuation bytes of UTF-8 do not start a character.
-        let column = before[line_start..].iter().filter(|&&b| b & 0xc0 != 0x80).count() as u32 + 1;
-        Location { path: file.path.clone(), line, column }
+        let column = before.iter().filter(|&&b| b & 0xc0 != 0x80).count() as u32 + 1;
+        Location { path: file.path.clone(), line: line as u32, column }
     }
 }
 

@@ -1,0 +1,174 @@
+//! Blocks: `uniform NAME { … } instance[N];`, `buffer`, push constants and
+//! buffer references, with the rules and majorness in force.
+
+use super::declarations::{Defaults, Named, Reader};
+use super::lexer::{Kind, Token};
+use super::members::{Place, majorness};
+use super::qualifiers::Qualifiers;
+use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, Rules};
+use crate::source::Target;
+
+impl<'a> Reader<'a> {
+    /// Reads a block, its qualifiers passed; the name is the current token.
+    pub(super) fn block(
+        &mut self,
+        qualifiers: &Qualifiers<'a>,
+        before: Token<'a>,
+        first: Token<'a>,
+    ) {
+        let name = self.bump();
+        let space = address_space(qualifiers);
+        if space == AddressSpace::BufferReference {
+            self.types.insert(name.text, Named::Reference);
+        }
+        let comment = self.comments_before(&before, &first);
+        let open = self.bump();
+        let bindless = self.preprocessor.extensions.iter().any(|e| e.ends_with("bindless_texture"));
+        let errors = self.preprocessor.diagnostics.len();
+        let place = Place::Block { bindless, runtime_tail: qualifiers.buffer };
+        let mut read = self.members(place, &name);
+        if !self.close(&open) {
+            return;
+        }
+        let mut instance = None;
+        let mut count = Vec::new();
+        if self.token.kind == Kind::Name {
+            let token = self.bump();
+            for dim in self.dims() {
+                if dim.size.is_empty() {
+                    count.push(ArrayLen::Runtime);
+                    continue;
+                }
+                match self.array_size(&token, &dim) {
+                    Ok(size) => count.push(ArrayLen::Fixed(size)),
+                    Err(diagnostic) => read.problems.push(diagnostic),
+                }
+            }
+            instance = Some(token.text.into());
+        }
+        self.end_of_statement();
+        if read.members.is_empty() && read.problems.is_empty() {
+            let message = format!("block `{}` has no members", name.text);
+            read.problems.push(self.diagnostic(&name, "empty-structure", message));
+        }
+        if let Some(id) = qualifiers.find("align") {
+            // GLSL 4.60 §4.4.5: `align` on a block is as if on each member without its own.
+            match self.alignment(id) {
+                Ok(align) => {
+                    for member in &mut read.members {
+                        member.align = member.align.or(Some(align));
+                    }
+                }
+                Err(diagnostic) => read.problems.push(diagnostic),
+            }
+        }
+        let mut number = |reader: &mut Self, key: &str| {
+            let id = qualifiers.find(key)?;
+            match reader.layout_number(id) {
+                Ok(value) => u32::try_from(value).ok(),
+                Err(diagnostic) => {
+                    read.problems.push(diagnostic);
+                    None
+                }
+            }
+        };
+        let group = number(self, "set");
+        let binding = number(self, "binding");
+        let broken = !read.problems.is_empty() || self.preprocessor.diagnostics.len() > errors;
+        for problem in std::mem::take(&mut read.problems) {
+            self.report(problem);
+        }
+        if broken && self.has_error_since(errors) {
+            return;
+        }
+        let defaults =
+            if qualifiers.uniform { self.uniform_defaults } else { self.buffer_defaults };
+        let own = own_defaults(qualifiers);
+        let (rules, rules_declared) = self.rules(own.rules.or(defaults.rules), space);
+        self.blocks.push(Block {
+            name: name.text.into(),
+            instance,
+            space,
+            rules,
+            rules_declared,
+            group,
+            binding,
+            count,
+            majorness: own.majorness.or(defaults.majorness).unwrap_or(Majorness::Column),
+            members: read.members,
+            opaque: read.opaque,
+            any_order: self.preprocessor.target == Target::Vulkan,
+            span: name.span,
+            comment,
+        });
+    }
+
+    fn has_error_since(&self, count: usize) -> bool {
+        let new = &self.preprocessor.diagnostics[count..];
+        new.iter().any(|d| d.severity == crate::Severity::Error)
+    }
+
+    /// The comments on the lines before a declaration.
+    fn comments_before(&self, before: &Token<'a>, first: &Token<'a>) -> Vec<crate::Span> {
+        let mut all = self.comments_of(before, first);
+        all.retain(|comment| comment.file == first.span.file && comment.end <= first.span.start);
+        all
+    }
+
+    /// The rules in force, and whether the text or the language says so.
+    fn rules(&self, written: Option<Option<Rules>>, space: AddressSpace) -> (Rules, bool) {
+        let fallback = match space {
+            AddressSpace::Uniform | AddressSpace::Default => Rules::Std140,
+            AddressSpace::Storage
+            | AddressSpace::PushConstant
+            | AddressSpace::BufferReference
+            | AddressSpace::ShaderRecord => Rules::Std430,
+        };
+        match written {
+            Some(Some(rules)) => (rules, true),
+            // `shared` and `packed`: offsets are the driver's.
+            Some(None) => (fallback, false),
+            None => {
+                // GL_KHR_vulkan_glsl: std140 for uniform blocks, std430 for the others, by default;
+                // OpenGL's default is `shared` (GLSL 4.60 §4.4.5).
+                let vulkan_only = match space {
+                    AddressSpace::PushConstant
+                    | AddressSpace::BufferReference
+                    | AddressSpace::ShaderRecord => true,
+                    AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::Default => false,
+                };
+                (fallback, vulkan_only || self.preprocessor.target == Target::Vulkan)
+            }
+        }
+    }
+}
+
+fn address_space(qualifiers: &Qualifiers<'_>) -> AddressSpace {
+    if qualifiers.find("push_constant").is_some() {
+        AddressSpace::PushConstant
+    } else if qualifiers.find("buffer_reference").is_some() {
+        AddressSpace::BufferReference
+    } else if qualifiers.find("shaderRecordEXT").is_some()
+        || qualifiers.find("shaderRecordNV").is_some()
+    {
+        AddressSpace::ShaderRecord
+    } else if qualifiers.uniform {
+        AddressSpace::Uniform
+    } else {
+        AddressSpace::Storage
+    }
+}
+
+/// What `layout(…)` itself says of rules and majorness.
+pub(super) fn own_defaults(qualifiers: &Qualifiers<'_>) -> Defaults {
+    let rules = qualifiers.layout.iter().rev().find_map(|id| {
+        if id.is("shared") || id.is("packed") {
+            return Some(None);
+        }
+        [Rules::Std140, Rules::Std430, Rules::Scalar]
+            .into_iter()
+            .find(|rules| id.is(rules.name()))
+            .map(Some)
+    });
+    Defaults { rules, majorness: majorness(qualifiers) }
+}

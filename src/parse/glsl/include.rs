@@ -1,0 +1,128 @@
+//! `#include`: quoted and angled, as `GL_GOOGLE_include_directive` and
+//! `GL_ARB_shading_language_include` spell it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::lexer::{Kind, Lexer, Token};
+use super::preprocess::{Frame, Preprocessor};
+use crate::diagnostic::Diagnostic;
+use crate::source::{Span, read_text};
+
+/// Includes may nest this deep; beyond, a file includes itself without end.
+const DEEPEST_INCLUDE: usize = 64;
+
+/// Bytes that includes may add to one shader.
+const MOST_INCLUDED: usize = 64 << 20;
+
+impl<'a> Preprocessor<'a> {
+    /// Obeys `#include`; the line is read to its end.
+    pub(super) fn include(&mut self, directive: Token<'a>) {
+        let rest = self.rest_of_line();
+        let Some((name, angled)) = self.header_name(rest) else {
+            let message = "`#include` wants `\"FILE\"` or `<FILE>`";
+            return self.report(Diagnostic::error("include", directive.span, message));
+        };
+        let span =
+            Span { end: directive.span.end + rest.trim_end().len() as u32, ..directive.span };
+        if let Some(cycle) = self.cycle_past_bound() {
+            self.stopped = true;
+            return self.report(
+                Diagnostic::error("cyclic-include", span, format!("`{name}` includes itself"))
+                    .with_note(cycle)
+                    .with_help("guard the file with `#ifndef NAME`, `#define NAME`, `#endif`"),
+            );
+        }
+        let (places, found) = self.find(name, angled, span.file);
+        let Some(path) = found else {
+            let mut diagnostic =
+                Diagnostic::error("missing-include", span, format!("`{name}` is not found"));
+            for place in places {
+                diagnostic = diagnostic.with_note(format!("looked for `{}`", place.display()));
+            }
+            return self.report(diagnostic.with_help("say where it is with `-I DIR`"));
+        };
+        match self.open_include(&path) {
+            Ok((file, text)) => {
+                self.included_bytes += text.len();
+                if self.included_bytes > MOST_INCLUDED {
+                    self.stopped = true;
+                    let message = format!("includes add more than {MOST_INCLUDED} bytes");
+                    return self.report(Diagnostic::error("include-bomb", span, message));
+                }
+                let conditions = self.conditions.len();
+                self.frames.push(Frame::File { lexer: Lexer::new(text, file), conditions });
+            }
+            Err(error) => {
+                let message = format!("`{name}` {}", error.message);
+                self.report(Diagnostic::error("include", span, message));
+            }
+        }
+    }
+
+    /// The name between quotes or angles, which a macro may stand for.
+    fn header_name(&mut self, rest: &'a str) -> Option<(&'a str, bool)> {
+        let rest = rest.trim();
+        if let Some(name) = rest.strip_prefix('"') {
+            return Some((name.split('"').next()?, false));
+        }
+        if let Some(name) = rest.strip_prefix('<') {
+            return Some((name.split('>').next()?, true));
+        }
+        let token = Lexer::new(rest, 0).next(&mut Vec::new());
+        let body = &self.macros.get(token.text)?.body;
+        let name = body.first().filter(|t| t.kind == Kind::Text)?.text;
+        Some((name.trim_matches('"'), false))
+    }
+
+    /// Where a file may be, and where it is. Quoted names are looked for beside the file that
+    /// includes them first, angled ones in the `-I` directories first.
+    fn find(&self, name: &str, angled: bool, from: u32) -> (Vec<PathBuf>, Option<PathBuf>) {
+        // GL_ARB_shading_language_include names begin with a slash: the root of the `-I` tree.
+        let relative = name.trim_start_matches('/');
+        let beside = self.files.get(from).and_then(|file| Path::new(&file.path).parent());
+        let beside = beside.map(|dir| dir.join(relative));
+        let given = self.options.include_dirs.iter().map(|dir| dir.join(relative));
+        let places: Vec<PathBuf> = if angled {
+            given.chain(beside).collect()
+        } else {
+            beside.into_iter().chain(given).collect()
+        };
+        let found = places.iter().find(|place| place.is_file()).cloned();
+        (places, found)
+    }
+
+    fn open_include(&mut self, path: &Path) -> Result<(u32, &'a str), crate::Error> {
+        let shown = path.display().to_string();
+        if let Some(&file) = self.included.get(&shown) {
+            let text = self.files.get(file).map(|f| f.text.clone()).unwrap_or_default();
+            return Ok((file, self.texts.alloc(text)));
+        }
+        let text = read_text(path)?;
+        let text: Arc<str> = Arc::from(text.trim_start_matches('\u{feff}'));
+        let file = self.files.add(shown.clone(), text.clone());
+        self.included.insert(shown, file);
+        Ok((file, self.texts.alloc(text)))
+    }
+
+    /// Past [`DEEPEST_INCLUDE`]: the way from a file back to itself.
+    fn cycle_past_bound(&self) -> Option<String> {
+        if self.frames.len() <= DEEPEST_INCLUDE {
+            return None;
+        }
+        let open: Vec<u32> = self
+            .frames
+            .iter()
+            .filter_map(|frame| match frame {
+                Frame::File { lexer, .. } => Some(lexer.file()),
+                Frame::Macro { .. } | Frame::Tokens { .. } => None,
+            })
+            .collect();
+        let (first, last) = (0..open.len()).find_map(|i| {
+            open[i + 1..].iter().position(|&f| f == open[i]).map(|after| (i, i + 1 + after))
+        })?;
+        let names = open[first..=last].iter().filter_map(|&f| self.files.get(f));
+        let names: Vec<String> = names.map(|file| format!("`{}`", file.path)).collect();
+        Some(names.join(" includes "))
+    }
+}

@@ -1,0 +1,304 @@
+//! GLSL tokens of one file, with their places. Comments are noted, not returned.
+//!
+//! Feeds [`preprocess`](super::preprocess); knows no macro and no directive.
+
+use crate::source::Span;
+
+/// What a token is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A name or keyword.
+    Name,
+    /// A number of any kind.
+    Number,
+    /// An operator or bracket.
+    Punctuation,
+    /// A double-quoted string, quotes included; only directives use them.
+    Text,
+    /// A character GLSL has no use for.
+    Stray,
+    /// The end of the text.
+    End,
+}
+
+/// A token and where it came from.
+#[derive(Clone, Copy, Debug)]
+pub struct Token<'a> {
+    /// What it is.
+    pub kind: Kind,
+    /// Its spelling.
+    pub text: &'a str,
+    /// Its place in the user's text; for a token out of a macro, the outermost use of the macro.
+    pub span: Span,
+    /// Its place in the macro's definition, for a token out of a macro.
+    pub definition: Option<Span>,
+    /// Comments seen before it in the whole shader.
+    pub comments: u32,
+    /// Whether it is the first on its line.
+    pub first: bool,
+    /// Whether whitespace or a comment stands before it.
+    pub spaced: bool,
+    /// Whether it is never to be taken for a macro again.
+    pub frozen: bool,
+}
+
+impl Token<'_> {
+    /// Whether it is that operator, bracket or word.
+    pub fn is(&self, text: &str) -> bool {
+        self.text == text && self.kind != Kind::Text
+    }
+}
+
+/// Reads the tokens of one file.
+#[derive(Clone, Debug)]
+pub struct Lexer<'a> {
+    text: &'a str,
+    at: usize,
+    file: u32,
+    line_start: bool,
+}
+
+/// What stands at the start of the next line that matters to a skipper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// `#` at the start of a line; the lexer stands before it.
+    Directive,
+    /// `{`, passed.
+    Open,
+    /// `}`, passed.
+    Close,
+    /// The end of the file.
+    End,
+}
+
+impl<'a> Lexer<'a> {
+    /// At the start of a file.
+    pub fn new(text: &'a str, file: u32) -> Lexer<'a> {
+        Lexer { text, at: 0, file, line_start: true }
+    }
+
+    /// The byte it stands at.
+    pub fn offset(&self) -> u32 {
+        self.at as u32
+    }
+
+    /// The file it reads.
+    pub fn file(&self) -> u32 {
+        self.file
+    }
+
+    fn byte(&self, ahead: usize) -> u8 {
+        self.text.as_bytes().get(self.at + ahead).copied().unwrap_or(0)
+    }
+
+    fn span_from(&self, start: usize) -> Span {
+        Span { file: self.file, start: start as u32, end: self.at as u32 }
+    }
+
+    /// The next token. Comments on the way are added to `comments`.
+    pub fn next(&mut self, comments: &mut Vec<Span>) -> Token<'a> {
+        let spaced = self.skip_blank(comments, false);
+        self.token(comments.len() as u32, spaced)
+    }
+
+    /// The next token of this line, or `None` at its end.
+    pub fn next_on_line(&mut self, comments: &mut Vec<Span>) -> Option<Token<'a>> {
+        let spaced = self.skip_blank(comments, true);
+        if self.at == self.text.len() || self.byte(0) == b'\n' || self.byte(0) == b'\r' {
+            return None;
+        }
+        Some(self.token(comments.len() as u32, spaced))
+    }
+
+    /// The rest of this line as it stands, without comments being looked for.
+    pub fn rest_of_line(&mut self) -> &'a str {
+        let start = self.at;
+        let rest = &self.text.as_bytes()[start..];
+        self.at += memchr::memchr(b'\n', rest).unwrap_or(rest.len());
+        &self.text[start..self.at]
+    }
+
+    fn token(&mut self, comments: u32, spaced: bool) -> Token<'a> {
+        let start = self.at;
+        let first = self.line_start;
+        self.line_start = false;
+        let kind = self.advance();
+        Token {
+            kind,
+            text: &self.text[start..self.at],
+            span: self.span_from(start),
+            definition: None,
+            comments,
+            first,
+            spaced,
+            frozen: false,
+        }
+    }
+
+    fn advance(&mut self) -> Kind {
+        let byte = self.byte(0);
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'_' => {
+                self.eat_while(|b| b.is_ascii_alphanumeric() || b == b'_');
+                Kind::Name
+            }
+            b'0'..=b'9' => self.number(),
+            b'.' if self.byte(1).is_ascii_digit() => self.number(),
+            b'"' => {
+                self.at += 1;
+                self.eat_while(|b| b != b'"' && b != b'\n');
+                if self.byte(0) == b'"' {
+                    self.at += 1;
+                }
+                Kind::Text
+            }
+            b'!'..=b'~' => {
+                let pair = [byte, self.byte(1)];
+                let two = matches!(
+                    &pair,
+                    b"<<" | b">>" | b"<=" | b">=" | b"==" | b"!=" | b"&&" | b"||" | b"^^" | b"##"
+                );
+                self.at += if two { 2 } else { 1 };
+                match byte {
+                    b'$' | b'@' | b'`' | b'\'' | b'\\' => Kind::Stray,
+                    _ => Kind::Punctuation,
+                }
+            }
+            _ => match self.text[self.at..].chars().next() {
+                Some(c) => {
+                    self.at += c.len_utf8();
+                    Kind::Stray
+                }
+                None => Kind::End,
+            },
+        }
+    }
+
+    fn number(&mut self) -> Kind {
+        loop {
+            match self.byte(0) {
+                b'e' | b'E' if matches!(self.byte(1), b'+' | b'-') && !self.in_hex() => {
+                    self.at += 2
+                }
+                b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' | b'_' | b'.' => self.at += 1,
+                _ => return Kind::Number,
+            }
+        }
+    }
+
+    /// Whether the number that ends here began with `0x`: then `e` is a digit.
+    fn in_hex(&self) -> bool {
+        let before = &self.text.as_bytes()[..self.at];
+        let start = before.iter().rposition(|b| !b.is_ascii_alphanumeric()).map_or(0, |i| i + 1);
+        before[start..].starts_with(b"0x") || before[start..].starts_with(b"0X")
+    }
+
+    fn eat_while(&mut self, want: impl Fn(u8) -> bool) {
+        let rest = &self.text.as_bytes()[self.at..];
+        self.at += rest.iter().position(|&b| !want(b)).unwrap_or(rest.len());
+    }
+
+    /// Passes whitespace, comments and continued lines; says whether there were any.
+    fn skip_blank(&mut self, comments: &mut Vec<Span>, stay_on_line: bool) -> bool {
+        let start = self.at;
+        loop {
+            match self.byte(0) {
+                b'\n' if stay_on_line => break,
+                b'\n' => {
+                    self.at += 1;
+                    self.line_start = true;
+                }
+                b'\r' if stay_on_line && self.byte(1) == b'\n' => break,
+                b' ' | b'\t' | b'\r' | 0x0b | 0x0c => self.at += 1,
+                b'/' if self.byte(1) == b'/' => {
+                    let from = self.at;
+                    self.line_comment();
+                    comments.push(self.span_from(from));
+                }
+                b'/' if self.byte(1) == b'*' => {
+                    let from = self.at;
+                    // A comment that is never closed runs to the end; the reader reports it.
+                    self.block_comment();
+                    comments.push(self.span_from(from));
+                }
+                // GLSL 4.60 §3.2: a backslash before the end of a line joins it with the next.
+                b'\\' if self.byte(1) == b'\n' => self.at += 2,
+                b'\\' if self.byte(1) == b'\r' && self.byte(2) == b'\n' => self.at += 3,
+                _ => break,
+            }
+        }
+        self.at > start
+    }
+
+    fn line_comment(&mut self) {
+        loop {
+            let rest = &self.text.as_bytes()[self.at..];
+            let Some(end) = memchr::memchr(b'\n', rest) else {
+                self.at = self.text.len();
+                return;
+            };
+            let line = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
+            if line.last() != Some(&b'\\') {
+                self.at += line.len();
+                return;
+            }
+            self.at += end + 1;
+        }
+    }
+
+    fn block_comment(&mut self) {
+        let rest = &self.text.as_bytes()[self.at + 2..];
+        match memchr::memmem::find(rest, b"*/") {
+            Some(end) => self.at += 2 + end + 2,
+            None => self.at = self.text.len(),
+        }
+    }
+
+    /// Passes text nobody reads up to the next brace or directive.
+    pub fn skip_to_brace(&mut self) -> Stop {
+        loop {
+            let rest = &self.text.as_bytes()[self.at..];
+            let found = rest.iter().position(|b| matches!(b, b'{' | b'}' | b'/' | b'#'));
+            let Some(found) = found else {
+                self.at = self.text.len();
+                return Stop::End;
+            };
+            self.at += found;
+            match rest[found] {
+                b'{' => {
+                    self.at += 1;
+                    return Stop::Open;
+                }
+                b'}' => {
+                    self.at += 1;
+                    self.line_start = false;
+                    return Stop::Close;
+                }
+                b'#' if self.starts_line() => {
+                    self.line_start = true;
+                    return Stop::Directive;
+                }
+                b'/' if self.byte(1) == b'/' => self.line_comment(),
+                b'/' if self.byte(1) == b'*' => self.block_comment(),
+                _ => self.at += 1,
+            }
+        }
+    }
+
+    /// Passes text that a condition leaves out, up to the next directive.
+    pub fn skip_to_directive(&mut self) -> Stop {
+        loop {
+            match self.skip_to_brace() {
+                Stop::Open | Stop::Close => {}
+                stop @ (Stop::Directive | Stop::End) => return stop,
+            }
+        }
+    }
+
+    /// Whether only blanks stand between the start of the line and here.
+    fn starts_line(&self) -> bool {
+        let before = &self.text.as_bytes()[..self.at];
+        let blank = before.iter().rev().find(|b| !matches!(b, b' ' | b'\t' | b'\r'));
+        matches!(blank, None | Some(b'\n'))
+    }
+}

@@ -1,0 +1,134 @@
+//! GLSL as people have it: desktop 1.10 to 4.60, ES 1.00 to 3.20, Vulkan flavour.
+//!
+//! [`lexer`] makes tokens of a file, [`preprocess`] (with [`directive`],
+//! [`include`], [`macros`]) makes one stream of a shader, [`declarations`]
+//! (with [`qualifiers`], [`members`], [`blocks`], [`constants`]) reads what has
+//! a layout from it. Function bodies are passed over.
+
+mod blocks;
+mod constants;
+mod declarations;
+mod directive;
+mod expression;
+mod include;
+mod lexer;
+mod macros;
+mod members;
+mod preprocess;
+mod qualifiers;
+mod types;
+
+use crate::diagnostic::Diagnostic;
+use crate::parse::Parsed;
+use crate::shape::{AddressSpace, Block, Majorness, Rules, Shape};
+use crate::source::{ReadOptions, Source, Span, Target};
+use declarations::Reader;
+use preprocess::{Preprocessor, Texts};
+
+/// Errors after which a text is read no further: what was read before them is not to be trusted.
+const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb"];
+
+/// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
+pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
+    let texts = Texts::new();
+    let target = options.target.unwrap_or_else(|| target_of(&source.text));
+    let preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options, target);
+    let mut reader = Reader::new(preprocessor);
+    let empty = reader.token.kind == lexer::Kind::End;
+    reader.read();
+
+    let mut blocks = std::mem::take(&mut reader.blocks);
+    if let Some(default) = default_block(&mut reader, gather) {
+        blocks.push(default);
+    }
+    let used = reader.constants.used.iter();
+    let overrides = reader.constants.overrides.iter().zip(used);
+    let overrides = overrides.filter(|(_, used)| **used).map(|(o, _)| o.clone()).collect();
+    let mut preprocessor = reader.preprocessor;
+    let mut diagnostics = std::mem::take(&mut preprocessor.diagnostics);
+    if empty && diagnostics.is_empty() && source.text.trim().is_empty() {
+        diagnostics.push(Diagnostic::error("empty-file", Span::default(), "the file is empty"));
+    }
+    if let Some(fatal) = diagnostics.iter().position(|d| FATAL.contains(&d.code)) {
+        diagnostics = vec![diagnostics.swap_remove(fatal)];
+        blocks.clear();
+    }
+    Parsed {
+        shape: Shape { blocks, overrides },
+        files: preprocessor.files,
+        diagnostics,
+        bodies: preprocessor.bodies,
+    }
+}
+
+/// The loose uniforms as one block: without offsets of their own, or gathered.
+fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
+    let mut members = std::mem::take(&mut reader.loose);
+    let opaque = std::mem::take(&mut reader.loose_opaque);
+    let span = members.first()?.span;
+    if gather {
+        members.retain(|member| {
+            let sized = member.ty.dims().iter().all(|len| *len != crate::ArrayLen::Runtime);
+            if !sized {
+                let message =
+                    format!("`{}` cannot be gathered: its size is not written", member.name);
+                let diagnostic = Diagnostic::error("array-size", member.span, message);
+                reader.preprocessor.report(
+                    diagnostic.with_help("write the number of elements between the brackets"),
+                );
+            }
+            sized
+        });
+    }
+    Some(Block {
+        name: "DefaultBlock".into(),
+        instance: None,
+        space: if gather { AddressSpace::Uniform } else { AddressSpace::Default },
+        rules: Rules::Std140,
+        rules_declared: false,
+        group: None,
+        binding: None,
+        count: Vec::new(),
+        majorness: Majorness::Column,
+        members,
+        opaque,
+        any_order: false,
+        span,
+        comment: Vec::new(),
+    })
+}
+
+/// Words that only Vulkan's GLSL has.
+const VULKAN_WORDS: &[&str] = &[
+    "VULKAN",
+    "push_constant",
+    "constant_id",
+    "subpassInput",
+    "input_attachment_index",
+    "gl_VertexIndex",
+    "gl_InstanceIndex",
+    "buffer_reference",
+    "shaderRecordEXT",
+    "rayPayload",
+    "texture2D ",
+    "textureCube ",
+    "GL_EXT_ray_tracing",
+    "GL_EXT_mesh_shader",
+];
+
+/// The API a text is written for, by what only Vulkan's GLSL has: `set = N` and [`VULKAN_WORDS`].
+fn target_of(text: &str) -> Target {
+    let bytes = text.as_bytes();
+    let word = VULKAN_WORDS.iter().any(|w| memchr::memmem::find(bytes, w.as_bytes()).is_some());
+    let set = || {
+        memchr::memmem::find_iter(bytes, b"set").any(|at| {
+            let starts = at > 0 && matches!(bytes[at - 1], b' ' | b'(' | b',' | b'\t');
+            starts
+                && text[at + 3..].trim_start().strip_prefix('=').is_some_and(|rest| {
+                    rest.trim_start().starts_with(|c: char| c.is_ascii_alphanumeric())
+                        && text[..at].rfind("layout").is_some_and(|l| !text[l..at].contains(')'))
+                })
+        })
+    };
+    if word || set() { Target::Vulkan } else { Target::OpenGl }
+}

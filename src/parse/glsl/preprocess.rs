@@ -1,0 +1,426 @@
+//! The GLSL preprocessor: directives obeyed, macros expanded, includes opened.
+//!
+//! Hands [`declarations`](super::declarations) one stream of tokens, each with
+//! its place in the user's text. Bodies of functions are passed over as text.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+use typed_arena::Arena;
+
+use super::directive::Condition;
+use super::lexer::{Kind, Lexer, Stop, Token};
+use super::macros::{Macro, paste};
+use crate::diagnostic::Diagnostic;
+use crate::source::{Files, ReadOptions, Span, Target};
+
+/// Tokens that macros may expand to in one shader; beyond lies a text made to exhaust memory.
+const MOST_EXPANDED: usize = 1 << 20;
+
+/// Deepest nesting of macro calls inside the arguments of macro calls.
+const DEEPEST_ARGUMENTS: u32 = 64;
+
+/// Errors reported for one shader; more say nothing new.
+const MOST_ERRORS: usize = 100;
+
+/// Where texts live while their tokens are looked at: files, pasted tokens, command-line macros.
+pub type Texts = Arena<Arc<str>>;
+
+/// The stream of tokens of a shader.
+pub struct Preprocessor<'a> {
+    pub(super) texts: &'a Texts,
+    pub(super) options: &'a ReadOptions,
+    pub(super) files: Files,
+    pub(super) macros: FxHashMap<&'a str, Rc<Macro<'a>>>,
+    pub(super) conditions: Vec<Condition>,
+    pub(super) frames: Vec<Frame<'a>>,
+    /// Texts included so far, by path, so that a file is read once.
+    pub(super) included: FxHashMap<String, u32>,
+    pub(super) included_bytes: usize,
+    pub(super) comments: Vec<Span>,
+    pub(super) diagnostics: Vec<Diagnostic>,
+    pub(super) version: Version,
+    pub(super) target: Target,
+    pub(super) extensions: Vec<&'a str>,
+    /// Function bodies of the shader's own file: from after `{` to before `}`.
+    pub(super) bodies: Vec<Span>,
+    /// Whether some macro holds an unpaired brace: then bodies are read token by token.
+    pub(super) brace_macros: bool,
+    /// Set by an error after which nothing more can be said: the stream ends.
+    pub(super) stopped: bool,
+    expanded: usize,
+    argument_depth: u32,
+    /// Frames below this index are not read: they belong to whoever asked for an expansion.
+    floor: usize,
+    directive_errors: usize,
+}
+
+/// The language version a shader declares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Version {
+    /// `#version NUMBER`; 110 when there is none.
+    pub number: u32,
+    /// Whether it is GLSL ES.
+    pub es: bool,
+}
+
+/// Something tokens are read from.
+pub(super) enum Frame<'a> {
+    /// A file; `conditions` is how many were open when it began.
+    File { lexer: Lexer<'a>, conditions: usize },
+    /// What a macro expands to; the name is not expanded again inside.
+    Macro { name: &'a str, tokens: Vec<Token<'a>>, at: usize },
+    /// Tokens put back or being expanded on their own.
+    Tokens { tokens: Vec<Token<'a>>, at: usize },
+}
+
+impl<'a> Preprocessor<'a> {
+    /// At the start of a shader whose text is file 0.
+    pub fn new(
+        path: &str,
+        text: &Arc<str>,
+        texts: &'a Texts,
+        options: &'a ReadOptions,
+        target: Target,
+    ) -> Preprocessor<'a> {
+        let mut files = Files::default();
+        let file = files.add(path, text.clone());
+        let text: &'a str = texts.alloc(text.clone());
+        let mut preprocessor = Preprocessor {
+            texts,
+            options,
+            files,
+            macros: FxHashMap::default(),
+            conditions: Vec::new(),
+            frames: vec![Frame::File { lexer: Lexer::new(text, file), conditions: 0 }],
+            included: FxHashMap::default(),
+            included_bytes: 0,
+            comments: Vec::new(),
+            diagnostics: Vec::new(),
+            version: Version { number: 110, es: false },
+            target,
+            extensions: Vec::new(),
+            bodies: Vec::new(),
+            brace_macros: false,
+            stopped: false,
+            expanded: 0,
+            argument_depth: 0,
+            floor: 0,
+            directive_errors: 0,
+        };
+        preprocessor.define_given();
+        preprocessor
+    }
+
+    /// A text that lives as long as the tokens.
+    pub(super) fn keep(&self, text: &str) -> &'a str {
+        self.texts.alloc(Arc::from(text))
+    }
+
+    /// Notes a finding; past [`MOST_ERRORS`] the stream ends.
+    pub fn report(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+        self.directive_errors += 1;
+        if self.directive_errors >= MOST_ERRORS {
+            self.stopped = true;
+        }
+    }
+
+    /// The next token with macros expanded.
+    pub fn next(&mut self) -> Token<'a> {
+        loop {
+            let token = self.next_raw();
+            if token.kind != Kind::Name || token.frozen {
+                return token;
+            }
+            if let Some(token) = self.expand(token) {
+                return token;
+            }
+        }
+    }
+
+    /// The next token as it stands, directives obeyed on the way.
+    fn next_raw(&mut self) -> Token<'a> {
+        loop {
+            if self.stopped || self.frames.len() == self.floor {
+                return self.end();
+            }
+            match self.frames.last_mut() {
+                None => return self.end(),
+                Some(Frame::Macro { tokens, at, .. } | Frame::Tokens { tokens, at }) => {
+                    if let Some(token) = tokens.get(*at) {
+                        *at += 1;
+                        return *token;
+                    }
+                    self.frames.pop();
+                }
+                Some(Frame::File { lexer, .. }) => {
+                    let token = lexer.next(&mut self.comments);
+                    match token.kind {
+                        Kind::Punctuation if token.first && token.is("#") => self.directive(token),
+                        Kind::End => {
+                            if self.frames.len() == 1 {
+                                self.check_open_conditions();
+                                return token;
+                            }
+                            self.check_open_conditions();
+                            self.frames.pop();
+                        }
+                        _ => return token,
+                    }
+                }
+            }
+        }
+    }
+
+    fn end(&self) -> Token<'a> {
+        let span = match self.frames.first() {
+            Some(Frame::File { lexer, .. }) => {
+                Span { file: 0, start: lexer.offset(), end: lexer.offset() }
+            }
+            _ => Span::default(),
+        };
+        Token {
+            kind: Kind::End,
+            text: "",
+            span,
+            definition: None,
+            comments: self.comments.len() as u32,
+            first: false,
+            spaced: false,
+            frozen: false,
+        }
+    }
+
+    /// Expands a name if it is a macro; `None` when its expansion was put in front of the stream.
+    fn expand(&mut self, mut token: Token<'a>) -> Option<Token<'a>> {
+        if token.text.starts_with("__") {
+            if let Some(text) = self.line_or_file(&token) {
+                return Some(Token { kind: Kind::Number, text, ..token });
+            }
+        }
+        let Some(definition) = self.macros.get(token.text).cloned() else { return Some(token) };
+        let active = self.frames.iter().any(|frame| match frame {
+            Frame::Macro { name, .. } => *name == token.text,
+            Frame::File { .. } | Frame::Tokens { .. } => false,
+        });
+        if active {
+            token.frozen = true;
+            return Some(token);
+        }
+        let tokens = match &definition.parameters {
+            None => definition.body.iter().map(|t| at_use(t, &token)).collect(),
+            Some(parameters) => {
+                let open = self.next_raw();
+                if !open.is("(") {
+                    if open.kind != Kind::End {
+                        self.frames.push(Frame::Tokens { tokens: vec![open], at: 0 });
+                    }
+                    return Some(token);
+                }
+                let arguments = self.arguments(&token, parameters.len())?;
+                self.substitute(&definition, parameters, &arguments, &token)
+            }
+        };
+        self.expanded += tokens.len() + 1;
+        if self.expanded > MOST_EXPANDED {
+            self.stopped = true;
+            self.diagnostics.push(
+                Diagnostic::error(
+                    "macro-bomb",
+                    token.span,
+                    format!("macros expand to more than {MOST_EXPANDED} tokens"),
+                )
+                .with_help("look for macros that use each other several times over"),
+            );
+            return None;
+        }
+        let tokens = paste(tokens, self.texts);
+        self.frames.push(Frame::Macro { name: definition.name, tokens, at: 0 });
+        None
+    }
+
+    /// The arguments of a macro call, `(` passed; `None` when the call is broken.
+    fn arguments(&mut self, name: &Token<'a>, wanted: usize) -> Option<Vec<Vec<Token<'a>>>> {
+        let mut arguments = vec![Vec::new()];
+        let mut depth = 0u32;
+        loop {
+            let token = self.next_raw();
+            match token.text {
+                _ if token.kind == Kind::End => {
+                    let message = format!("the call of macro `{}` is never closed", name.text);
+                    self.report(Diagnostic::error("macro-call", name.span, message));
+                    return None;
+                }
+                ")" if depth == 0 => break,
+                "," if depth == 0 => {
+                    arguments.push(Vec::new());
+                    continue;
+                }
+                "(" => depth += 1,
+                ")" => depth -= 1,
+                _ => {}
+            }
+            arguments.last_mut().expect("there is always a current argument").push(token);
+        }
+        if wanted == 0 && arguments.len() == 1 && arguments[0].is_empty() {
+            arguments.clear();
+        }
+        if arguments.len() != wanted {
+            let message = format!(
+                "macro `{}` takes {wanted} arguments, but is given {}",
+                name.text,
+                arguments.len()
+            );
+            self.report(Diagnostic::error("macro-call", name.span, message));
+            return None;
+        }
+        Some(arguments)
+    }
+
+    /// The body of a function-like macro with its parameters replaced.
+    fn substitute(
+        &mut self,
+        definition: &Macro<'a>,
+        parameters: &[&'a str],
+        arguments: &[Vec<Token<'a>>],
+        site: &Token<'a>,
+    ) -> Vec<Token<'a>> {
+        let mut expanded: Vec<Option<Vec<Token<'a>>>> = vec![None; arguments.len()];
+        let mut tokens = Vec::new();
+        for (i, token) in definition.body.iter().enumerate() {
+            let parameter =
+                parameters.iter().position(|p| token.kind == Kind::Name && *p == token.text);
+            let Some(parameter) = parameter else {
+                tokens.push(at_use(token, site));
+                continue;
+            };
+            // Operands of `##` are taken as written, other arguments are expanded first.
+            let pasted = (i > 0 && definition.body[i - 1].is("##"))
+                || definition.body.get(i + 1).is_some_and(|next| next.is("##"));
+            if pasted {
+                tokens.extend(&arguments[parameter]);
+            } else {
+                if expanded[parameter].is_none() {
+                    expanded[parameter] = Some(self.expand_alone(&arguments[parameter]));
+                }
+                tokens.extend(expanded[parameter].as_ref().expect("just filled"));
+            }
+            if self.expanded + tokens.len() > MOST_EXPANDED {
+                break;
+            }
+        }
+        tokens
+    }
+
+    /// Expands tokens as if nothing followed them.
+    pub(super) fn expand_alone(&mut self, tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+        if !tokens.iter().any(|t| t.kind == Kind::Name && !t.frozen) {
+            return tokens.to_vec();
+        }
+        if self.argument_depth == DEEPEST_ARGUMENTS {
+            let message = format!("macro calls are nested more than {DEEPEST_ARGUMENTS} deep");
+            self.report(Diagnostic::error("macro-bomb", tokens[0].span, message));
+            self.stopped = true;
+            return Vec::new();
+        }
+        self.argument_depth += 1;
+        let floor = std::mem::replace(&mut self.floor, self.frames.len());
+        self.frames.push(Frame::Tokens { tokens: tokens.to_vec(), at: 0 });
+        let mut result = Vec::new();
+        loop {
+            let token = self.next();
+            if token.kind == Kind::End {
+                break;
+            }
+            result.push(token);
+        }
+        self.frames.truncate(self.floor);
+        self.floor = floor;
+        self.argument_depth -= 1;
+        result
+    }
+
+    /// `__LINE__` and `__FILE__`.
+    fn line_or_file(&self, token: &Token<'a>) -> Option<&'a str> {
+        match token.text {
+            "__LINE__" => Some(self.keep(&self.files.locate(token.span).line.to_string())),
+            "__FILE__" => Some(self.keep(&token.span.file.to_string())),
+            _ => None,
+        }
+    }
+
+    /// Passes a function body, its `{` just returned as `open`; says whether it was closed.
+    pub fn skip_body(&mut self, open: &Token<'a>) -> bool {
+        let mut depth = 1u32;
+        loop {
+            let in_file = matches!(self.frames.last(), Some(Frame::File { .. }));
+            if self.stopped {
+                return true;
+            }
+            if in_file && !self.brace_macros {
+                match self.skip_to_brace() {
+                    Stop::Open => depth += 1,
+                    Stop::Close => depth -= 1,
+                    Stop::Directive => {
+                        let token = self.next_raw_directive();
+                        self.directive(token);
+                    }
+                    Stop::End if self.frames.len() > 1 => {
+                        self.check_open_conditions();
+                        self.frames.pop();
+                    }
+                    Stop::End => return false,
+                }
+            } else {
+                let token = self.next();
+                match token.text {
+                    _ if token.kind == Kind::End => return false,
+                    "{" => depth += 1,
+                    "}" => depth -= 1,
+                    _ => {}
+                }
+            }
+            if depth == 0 {
+                self.note_body(open);
+                return true;
+            }
+        }
+    }
+
+    fn skip_to_brace(&mut self) -> Stop {
+        match self.frames.last_mut() {
+            Some(Frame::File { lexer, .. }) => lexer.skip_to_brace(),
+            _ => Stop::End,
+        }
+    }
+
+    /// The `#` that the lexer of the innermost file stands before.
+    fn next_raw_directive(&mut self) -> Token<'a> {
+        match self.frames.last_mut() {
+            Some(Frame::File { lexer, .. }) => lexer.next(&mut self.comments),
+            _ => self.end(),
+        }
+    }
+
+    fn note_body(&mut self, open: &Token<'a>) {
+        if let (Some(Frame::File { lexer, .. }), 0) = (self.frames.last(), open.span.file) {
+            if self.frames.len() == 1 && open.definition.is_none() {
+                let end = lexer.offset() - 1;
+                self.bodies.push(Span { file: 0, start: open.span.end, end });
+            }
+        }
+    }
+}
+
+/// A token of a macro's body as it appears where the macro is used.
+fn at_use<'a>(token: &Token<'a>, site: &Token<'a>) -> Token<'a> {
+    Token {
+        span: site.span,
+        definition: site.definition.or(Some(token.span)),
+        comments: site.comments,
+        first: false,
+        ..*token
+    }
+}

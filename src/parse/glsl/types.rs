@@ -1,0 +1,183 @@
+//! GLSL's own type names (GLSL 4.60 §4.1 and the extensions that add types).
+
+use crate::shape::{Scalar, ScalarKind, Type};
+
+/// What a type name of the language means.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Builtin {
+    /// A type with a layout.
+    Data(Type),
+    /// A sampler, image or other handle: it has no bytes.
+    Opaque,
+    /// `void`.
+    Void,
+}
+
+/// What a name means, when the language itself gives it a meaning as a type.
+pub fn builtin(name: &str) -> Option<Builtin> {
+    if let Some(scalar) = scalar(name) {
+        return Some(Builtin::Data(Type::Scalar(scalar)));
+    }
+    if name == "void" {
+        return Some(Builtin::Void);
+    }
+    if let Some((prefix, size)) = name.split_once("vec") {
+        return Some(Builtin::Data(Type::Vector {
+            scalar: component(prefix)?,
+            rows: size_of(size)?,
+        }));
+    }
+    if let Some((prefix, size)) = name.split_once("mat") {
+        if let Some(matrix) = matrix(prefix, size) {
+            return Some(Builtin::Data(matrix));
+        }
+    }
+    is_opaque(name).then_some(Builtin::Opaque)
+}
+
+fn scalar(name: &str) -> Option<Scalar> {
+    let (kind, width) = match name {
+        "float" | "float32_t" => (ScalarKind::Float, 4),
+        "int" | "int32_t" => (ScalarKind::Sint, 4),
+        "uint" | "uint32_t" => (ScalarKind::Uint, 4),
+        "bool" => (ScalarKind::Bool, 4),
+        "double" | "float64_t" => (ScalarKind::Float, 8),
+        "float16_t" => (ScalarKind::Float, 2),
+        "bfloat16_t" => (ScalarKind::Bfloat, 2),
+        "int8_t" => (ScalarKind::Sint, 1),
+        "uint8_t" => (ScalarKind::Uint, 1),
+        "int16_t" => (ScalarKind::Sint, 2),
+        "uint16_t" => (ScalarKind::Uint, 2),
+        "int64_t" => (ScalarKind::Sint, 8),
+        "uint64_t" => (ScalarKind::Uint, 8),
+        _ => return None,
+    };
+    Some(Scalar { kind, width })
+}
+
+/// The component type a vector's prefix stands for.
+fn component(prefix: &str) -> Option<Scalar> {
+    scalar(match prefix {
+        "" | "f32" => "float",
+        "i" | "i32" => "int",
+        "u" | "u32" => "uint",
+        "b" => "bool",
+        "d" | "f64" => "double",
+        "f16" => "float16_t",
+        "bf16" => "bfloat16_t",
+        "i8" => "int8_t",
+        "u8" => "uint8_t",
+        "i16" => "int16_t",
+        "u16" => "uint16_t",
+        "i64" => "int64_t",
+        "u64" => "uint64_t",
+        _ => return None,
+    })
+}
+
+fn size_of(text: &str) -> Option<u8> {
+    match text {
+        "2" => Some(2),
+        "3" => Some(3),
+        "4" => Some(4),
+        _ => None,
+    }
+}
+
+/// `matC` or `matCxR`: C columns of R rows.
+fn matrix(prefix: &str, size: &str) -> Option<Type> {
+    let scalar = component(prefix).filter(|scalar| scalar.kind == ScalarKind::Float)?;
+    let (columns, rows) = size.split_once('x').unwrap_or((size, size));
+    Some(Type::Matrix { scalar, columns: size_of(columns)?, rows: size_of(rows)? })
+}
+
+/// Dimensions in the names of samplers, images and textures.
+const DIMENSIONS: &[&str] = &[
+    "",
+    "1D",
+    "2D",
+    "3D",
+    "Cube",
+    "2DRect",
+    "1DArray",
+    "2DArray",
+    "CubeArray",
+    "Buffer",
+    "2DMS",
+    "2DMSArray",
+    "ExternalOES",
+    "External2DY2YEXT",
+    "VideoIMG",
+];
+
+/// Handles whose names follow no pattern.
+const OTHERS: &[&str] = &[
+    "atomic_uint",
+    "accelerationStructureEXT",
+    "accelerationStructureNV",
+    "rayQueryEXT",
+    "hitObjectNV",
+    "hitObjectEXT",
+    "hitObjectAttributeEXT",
+    "hitObjectAttributeNV",
+    "coopmat",
+    "coopvecNV",
+    "fcoopmatNV",
+    "icoopmatNV",
+    "ucoopmatNV",
+    "tensorARM",
+    "tensorLayoutNV",
+    "tensorViewNV",
+    "attachmentEXT",
+    "iattachmentEXT",
+    "uattachmentEXT",
+];
+
+fn is_opaque(name: &str) -> bool {
+    if OTHERS.contains(&name) {
+        return true;
+    }
+    let prefixes = ["", "i", "u", "f16", "i64", "u64"];
+    let bare = prefixes.iter().filter_map(|prefix| name.strip_prefix(prefix));
+    bare.into_iter().any(|bare| {
+        if matches!(bare, "subpassInput" | "subpassInputMS") {
+            return true;
+        }
+        let dimension = ["sampler", "image", "texture"].iter().find_map(|f| bare.strip_prefix(f));
+        dimension.is_some_and(|dimension| {
+            let plain = dimension.strip_suffix("Shadow").unwrap_or(dimension);
+            DIMENSIONS.contains(&plain) && !matches!(bare, "image" | "texture")
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_matrix_shape_has_columns_before_rows() {
+        for columns in 2..=4u8 {
+            for rows in 2..=4u8 {
+                let ty = Type::Matrix { scalar: Scalar::F32, columns, rows };
+                assert_eq!(builtin(&format!("mat{columns}x{rows}")), Some(Builtin::Data(ty)));
+            }
+        }
+        let square = Type::Matrix { scalar: Scalar::F64, columns: 3, rows: 3 };
+        assert_eq!(builtin("dmat3"), Some(Builtin::Data(square)));
+    }
+
+    #[test]
+    fn handles_are_told_from_structures_that_sound_like_them() {
+        let handles =
+            ["sampler2D", "usamplerBuffer", "samplerCubeArrayShadow", "image2DMS", "sampler"];
+        for name in handles.into_iter().chain(["samplerShadow", "f16texture2D", "isubpassInput"]) {
+            assert_eq!(builtin(name), Some(Builtin::Opaque), "{name}");
+        }
+        for name in
+            ["texture", "image", "samplerFoo", "textureInfo", "Material", "format", "vector"]
+        {
+            assert_eq!(builtin(name), None, "{name}");
+        }
+    }
+}
