@@ -200,15 +200,17 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
         return Err(diagnostics);
     }
     let whole = Cursor::structure(cursor).map_err(|TooLarge| vec![too_large_block(block)])?;
-    let rounding = match block.rules {
+    let reach = cursor.furthest();
+    let size = match block.rules {
         // OpenGL 4.6 §7.6.2.2, end: the data size is rounded up to the alignment of a vec4.
-        Rules::Std140 => Alignment::VEC4,
-        // WGSL §14.4.2: SizeOf a structure; std430 and scalar likewise.
-        Rules::Std430 | Rules::Scalar | Rules::Wgsl => whole.align,
+        Rules::Std140 => Alignment::VEC4.round_up(reach),
+        // Rule 9 and WGSL §14.4.2: a structure is padded to its alignment.
+        Rules::Std430 | Rules::Wgsl => whole.align.round_up(reach),
+        // GL_EXT_scalar_block_layout: a structure ends with its last member.
+        Rules::Scalar => Ok(reach),
     };
-    result.data_size = Some(cursor.furthest());
-    let size =
-        rounding.round_up(cursor.furthest()).map_err(|TooLarge| vec![too_large_block(block)])?;
+    let size = size.map_err(|TooLarge| vec![too_large_block(block)])?;
+    result.data_size = Some(reach);
     result.size = Some(size);
     result.align = Some(whole.align.bytes());
     Ok(())

@@ -214,9 +214,18 @@ fn array_of(element: Extent, len: &ArrayLen, rules: Rules, rule: Rule) -> Result
         Rules::Std430 | Rules::Scalar | Rules::Wgsl => element.align,
     };
     // An element without a size of its own is refused by the parsers.
-    let stride = align.round_up(element.size.unwrap_or(0))?;
+    let element_size = element.size.unwrap_or(0);
+    let stride = align.round_up(element_size)?;
     let size = match len {
-        ArrayLen::Fixed(n) => Some(stride.checked_mul((*n).into()).ok_or(TooLarge)?),
+        ArrayLen::Fixed(n) => {
+            let whole = stride.checked_mul((*n).into()).ok_or(TooLarge)?;
+            Some(match rules {
+                Rules::Std140 | Rules::Std430 | Rules::Wgsl => whole,
+                // GL_EXT_scalar_block_layout: the next member follows the last byte consumed,
+                // so the padding after the last element is not the array's.
+                Rules::Scalar => whole - (stride - element_size),
+            })
+        }
         ArrayLen::Runtime | ArrayLen::Override(_) => None,
     };
     Ok(Extent {
@@ -303,9 +312,13 @@ impl Cursor {
             Rules::Std140 => self.align.max(Alignment::VEC4),
             Rules::Std430 | Rules::Scalar | Rules::Wgsl => self.align,
         };
-        let size = match self.end {
-            Some(_) => Some(align.round_up(self.furthest)?),
-            None => None,
+        let size = match (self.end, self.rules) {
+            (None, _) => None,
+            // GL_EXT_scalar_block_layout: a structure ends with its last member.
+            (Some(_), Rules::Scalar) => Some(self.furthest),
+            (Some(_), Rules::Std140 | Rules::Std430 | Rules::Wgsl) => {
+                Some(align.round_up(self.furthest)?)
+            }
         };
         Ok(Extent { align, size, array_stride: None, matrix_stride: None, rule: Rule::Structure })
     }

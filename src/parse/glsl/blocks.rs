@@ -47,7 +47,8 @@ impl<'a> Reader<'a> {
             instance = Some(token.text.into());
         }
         self.end_of_statement();
-        if read.members.is_empty() && read.problems.is_empty() {
+        let unread = self.preprocessor.diagnostics.len() > errors;
+        if read.members.is_empty() && read.problems.is_empty() && !unread {
             let message = format!("block `{}` has no members", name.text);
             read.problems.push(self.diagnostic(&name, "empty-structure", message));
         }

@@ -92,7 +92,11 @@ impl<'a> Reader<'a> {
     /// Reads the whole shader.
     pub fn read(&mut self) {
         while self.token.kind != Kind::End {
+            let (span, definition) = (self.token.span, self.token.definition);
             self.declaration();
+            if (span, definition) == (self.token.span, self.token.definition) {
+                self.bump(); // a declaration always passes something, whatever it was
+            }
         }
         self.tell_unused_broken_types();
     }
@@ -438,8 +442,11 @@ impl<'a> Reader<'a> {
         self.recover();
     }
 
-    /// Goes on at what looks like the next declaration. Always passes something.
+    /// Goes on at what looks like the next declaration.
     pub fn recover(&mut self) {
+        if begins_declaration(self.token.text) && self.token.first {
+            return;
+        }
         let stray_brace = self.token.is("}");
         loop {
             match self.token.text {

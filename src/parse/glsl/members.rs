@@ -143,6 +143,13 @@ impl<'a> Reader<'a> {
             self.report_at(&self.token.clone(), "syntax", message);
             return self.recover_member();
         };
+        if let (Place::Struct, Some(id)) = (place, qualifiers.layout.first()) {
+            // GLSL 4.60 §4.1.8: members of a structure take no layout qualifiers.
+            let message = format!("`{}` does not go on a member of a structure", id.name.text);
+            let diagnostic = self.diagnostic(&id.name, "layout-qualifier", message);
+            let help = format!("write it on the member of the block that is a `{}`", owner.text);
+            result.problems.push(diagnostic.with_help(help));
+        }
         let type_dims = self.dims();
         let errors = self.preprocessor.diagnostics.len();
         let declarators = self.declarators();

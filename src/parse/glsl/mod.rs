@@ -49,8 +49,14 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
     if empty && diagnostics.is_empty() && source.text.trim().is_empty() {
         diagnostics.push(Diagnostic::error("empty-file", Span::default(), "the file is empty"));
     }
-    if let Some(fatal) = diagnostics.iter().position(|d| FATAL.contains(&d.code)) {
-        diagnostics = vec![diagnostics.swap_remove(fatal)];
+    if diagnostics.iter().any(|d| FATAL.contains(&d.code)) {
+        // A text that was read several times over says the same things several times.
+        let mut told = Vec::new();
+        diagnostics.retain(|d| {
+            let new = d.code != "duplicate-name" && !told.contains(&d.labels);
+            told.push(d.labels.clone());
+            new
+        });
         blocks.clear();
     }
     Parsed {

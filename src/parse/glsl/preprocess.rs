@@ -160,11 +160,10 @@ impl<'a> Preprocessor<'a> {
                     match token.kind {
                         Kind::Punctuation if token.first && token.is("#") => self.directive(token),
                         Kind::End => {
+                            self.end_of_file(token.span);
                             if self.frames.len() == 1 {
-                                self.check_open_conditions();
                                 return token;
                             }
-                            self.check_open_conditions();
                             self.frames.pop();
                         }
                         _ => return token,
@@ -172,6 +171,20 @@ impl<'a> Preprocessor<'a> {
                 }
             }
         }
+    }
+
+    /// What a file leaves open: a comment, conditions.
+    fn end_of_file(&mut self, end: Span) {
+        let last = self.comments.last().copied().filter(|comment| comment.file == end.file);
+        if let Some(comment) = last.filter(|comment| comment.end == end.end) {
+            let text = self.files.text(comment);
+            if text.starts_with("/*") && (text.len() < 4 || !text.ends_with("*/")) {
+                let span = Span { end: comment.start + 2, ..comment };
+                let message = "`/*` is never closed";
+                self.report(Diagnostic::error("unclosed-comment", span, message));
+            }
+        }
+        self.check_open_conditions();
     }
 
     fn end(&self) -> Token<'a> {
@@ -368,7 +381,7 @@ impl<'a> Preprocessor<'a> {
                         self.directive(token);
                     }
                     Stop::End if self.frames.len() > 1 => {
-                        self.check_open_conditions();
+                        self.end_of_file(open.span);
                         self.frames.pop();
                     }
                     Stop::End => return false,
