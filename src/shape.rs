@@ -17,6 +17,10 @@ pub enum ScalarKind {
     Float,
     /// The 16-bit format with the exponent of a 32-bit float.
     Bfloat,
+    /// The 8-bit format with 5 bits of exponent.
+    FloatE5m2,
+    /// The 8-bit format with 4 bits of exponent.
+    FloatE4m3,
 }
 
 /// A component type: kind and width in bytes (a bool in a buffer is 4 bytes).
@@ -354,6 +358,8 @@ fn glsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             (ScalarKind::Float, 8) => "double",
             (ScalarKind::Float, _) => "float",
             (ScalarKind::Bfloat, _) => "bfloat16_t",
+            (ScalarKind::FloatE5m2, _) => "floate5m2_t",
+            (ScalarKind::FloatE4m3, _) => "floate4m3_t",
         }),
         Type::Vector { scalar, rows } => write!(f, "{}vec{rows}", glsl_prefix(*scalar)),
         Type::Matrix { scalar, columns, rows } => {
@@ -392,6 +398,8 @@ fn glsl_prefix(scalar: Scalar) -> &'static str {
         (ScalarKind::Float, 8) => "d",
         (ScalarKind::Float, _) => "",
         (ScalarKind::Bfloat, _) => "bf16",
+        (ScalarKind::FloatE5m2, _) => "fe5m2",
+        (ScalarKind::FloatE4m3, _) => "fe4m3",
     }
 }
 
@@ -431,6 +439,9 @@ fn wgsl_scalar(scalar: Scalar) -> &'static str {
         (ScalarKind::Float, 2) => "f16",
         (ScalarKind::Float, 8) => "f64",
         (ScalarKind::Float, _) => "f32",
+        // WGSL has none of these.
         (ScalarKind::Bfloat, _) => "bf16",
+        (ScalarKind::FloatE5m2, _) => "f8e5m2",
+        (ScalarKind::FloatE4m3, _) => "f8e4m3",
     }
 }

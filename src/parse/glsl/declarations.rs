@@ -393,8 +393,10 @@ impl<'a> Reader<'a> {
 
     /// Passes everything up to `;`.
     pub fn skip_statement(&mut self) {
+        let start = self.token.span;
         while !self.token.is(";") && self.token.kind != Kind::End {
-            if begins_declaration(self.token.text) && self.token.first {
+            let begins = begins_declaration(self.token.text) && self.token.first;
+            if begins && self.token.span != start {
                 break;
             }
             if matches!(self.token.text, "(" | "[" | "{") {

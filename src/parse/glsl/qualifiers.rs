@@ -130,6 +130,15 @@ impl<'a> Reader<'a> {
                     }
                     continue;
                 }
+                // GL_EXT_spirv_intrinsics: `spirv_instruction(…)`, `spirv_decorate(…)` and so on.
+                word if word.starts_with("spirv_") => {
+                    qualifiers.any = true;
+                    self.bump();
+                    if self.token.is("(") {
+                        self.skip_balanced();
+                    }
+                    continue;
+                }
                 word if OTHER_STORAGE.contains(&word) => qualifiers.other_storage = true,
                 word if SILENT.contains(&word) => {}
                 _ => break,
