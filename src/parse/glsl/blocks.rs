@@ -85,7 +85,16 @@ impl<'a> Reader<'a> {
         let defaults =
             if qualifiers.uniform { self.uniform_defaults } else { self.buffer_defaults };
         let own = own_defaults(qualifiers);
-        let (rules, rules_declared) = self.rules(own.rules.or(defaults.rules), space);
+        let written = match space {
+            AddressSpace::Uniform
+            | AddressSpace::Storage
+            | AddressSpace::BufferReference
+            | AddressSpace::Default => own.rules.or(defaults.rules),
+            // GL_KHR_vulkan_glsl, GL_EXT_ray_tracing: std430 unless the block itself says
+            // otherwise; the default of `uniform` or `buffer` is not theirs.
+            AddressSpace::PushConstant | AddressSpace::ShaderRecord => own.rules,
+        };
+        let (rules, rules_declared) = self.rules(written, space);
         self.blocks.push(Block {
             name: name.text.into(),
             instance,
