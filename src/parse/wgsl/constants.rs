@@ -30,8 +30,8 @@ pub(super) enum Trouble {
     Refused,
 }
 
-/// So many constants may hang on one another before they are read in the order of the text.
-const DEEP_CHAIN: u32 = 24;
+/// From this depth on constants that hang on one another are read in the order of the text.
+const DEEP_CHAIN: u32 = 64;
 
 /// The value of a declared constant or override.
 pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outcome {
@@ -61,7 +61,7 @@ pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outco
         sweep(reader, index, at);
     }
     reader.constants.insert(index, Known::Open);
-    let result = reader.deeper(at, |reader| read(reader, index));
+    let result = reader.deeper_expression(at, |reader| read(reader, index));
     let outcome = result.unwrap_or(Err(Trouble::Refused));
     reader.constants.insert(index, Known::Done(outcome.clone()));
     outcome

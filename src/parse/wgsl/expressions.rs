@@ -45,8 +45,9 @@ fn binary<'a>(
         }
         let first = lexer.next();
         lexer.jump(first.start + op.len() as u32);
-        let (right, right_end) =
-            reader.deeper(report::span(first), |reader| binary(reader, lexer, within, strength))?;
+        let (right, right_end) = reader.deeper_expression(report::span(first), |reader| {
+            binary(reader, lexer, within, strength)
+        })?;
         end = right_end;
         let at = Span { file: 0, start, end };
         left = match (op, left) {
@@ -106,7 +107,8 @@ fn unary<'a>(
         }
     };
     lexer.next();
-    let (inner, end) = reader.deeper(report::span(token), |reader| unary(reader, lexer, within))?;
+    let (inner, end) =
+        reader.deeper_expression(report::span(token), |reader| unary(reader, lexer, within))?;
     let at = Span { file: 0, start: token.start, end };
     let outcome = inner
         .and_then(|value| constant::unary(op, &value).map_err(|fault| Trouble::Fault(fault, at)));
@@ -128,8 +130,9 @@ fn postfix<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, R
             outcome = outcome.and_then(|value| swizzle(&value, lexer.text_of(name), at));
         } else if lexer.peek().is(b'[') {
             let open = lexer.next();
-            let (index, _) = reader
-                .deeper(report::span(open), |reader| read(reader, lexer, Within::Statement))?;
+            let (index, _) = reader.deeper_expression(report::span(open), |reader| {
+                read(reader, lexer, Within::Statement)
+            })?;
             end = lexer.peek().end;
             types::expect(reader, lexer, b']', "`]`")?;
             let at = Span { file: 0, start, end };
@@ -170,7 +173,7 @@ fn primary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, R
         },
         Kind::Sign(b'(') => {
             let (outcome, _) =
-                reader.deeper(at, |reader| read(reader, lexer, Within::Statement))?;
+                reader.deeper_expression(at, |reader| read(reader, lexer, Within::Statement))?;
             let end = lexer.peek().end;
             types::expect(reader, lexer, b')', "`)`")?;
             Ok((outcome, end))
@@ -242,8 +245,9 @@ fn arguments<'a>(
         if lexer.take(b')') {
             return Ok((values, next.end));
         }
-        let (outcome, _) =
-            reader.deeper(report::span(next), |reader| read(reader, lexer, Within::Statement))?;
+        let (outcome, _) = reader.deeper_expression(report::span(next), |reader| {
+            read(reader, lexer, Within::Statement)
+        })?;
         values = match (values, outcome) {
             (Ok(mut values), Ok(value)) => {
                 values.push(value);

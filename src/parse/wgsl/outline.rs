@@ -146,7 +146,13 @@ fn declaration<'a>(
         (Kind::Word, "var") => Class::Var,
         (Kind::Word, "fn") => Class::Fn,
         (Kind::Word, "let") => return Err(reports.refuse(report::module_let(token))),
-        _ => return Err(reports.refuse(report::unexpected(lexer, token, "a declaration"))),
+        _ => {
+            reports.push(report::unexpected(lexer, token, "a declaration"));
+            if token.is(b'{') {
+                lexer.skip_body();
+            }
+            return Err(report::Refused);
+        }
     };
     let mut space = None;
     if class == Class::Var && lexer.take(b'<') {

@@ -11,6 +11,16 @@ use super::types::Typed;
 use crate::shape::{DEEPEST_NESTING, Override};
 use crate::source::{ReadOptions, Span};
 
+/// What nesting may cost: 128 arrays in one another, or as many structures as fit the smallest
+/// stack, that of a thread.
+const DEEPEST_GRAMMAR: u32 = 2 * DEEPEST_NESTING + 32;
+
+/// A type expression; the name it resolves costs another level.
+const TYPE_LEVEL: u32 = 2;
+
+/// An expression in brackets, or behind an operator.
+const EXPRESSION_LEVEL: u32 = 4;
+
 /// A declaration that is read when first asked for.
 #[derive(Clone, Debug)]
 pub(super) enum Known<T> {
@@ -63,18 +73,45 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads something one level deeper, if that is not too deep.
-    pub(super) fn deeper<T>(
+    /// Reads what a name stands for, if that is not too deep.
+    pub(super) fn deeper_name<T>(
         &mut self,
         at: Span,
         read: impl FnOnce(&mut Self) -> Result<T, Refused>,
     ) -> Result<T, Refused> {
-        if self.depth > DEEPEST_NESTING {
+        self.descend(at, 1, read)
+    }
+
+    /// The same for part of a type.
+    pub(super) fn deeper_type<T>(
+        &mut self,
+        at: Span,
+        read: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<T, Refused> {
+        self.descend(at, TYPE_LEVEL, read)
+    }
+
+    /// The same for part of an expression.
+    pub(super) fn deeper_expression<T>(
+        &mut self,
+        at: Span,
+        read: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<T, Refused> {
+        self.descend(at, EXPRESSION_LEVEL, read)
+    }
+
+    fn descend<T>(
+        &mut self,
+        at: Span,
+        levels: u32,
+        read: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<T, Refused> {
+        if self.depth > DEEPEST_GRAMMAR {
             return Err(self.reports.refuse(report::too_deep(at)));
         }
-        self.depth += 1;
+        self.depth += levels;
         let result = read(self);
-        self.depth -= 1;
+        self.depth -= levels;
         result
     }
 

@@ -121,7 +121,7 @@ pub(super) fn duplicate(name: &str, again: Span, first: Span) -> Diagnostic {
 
 pub(super) fn too_deep(at: Span) -> Diagnostic {
     Diagnostic::error("nested-too-deep", at, "types and expressions nest too deep here")
-        .with_note(format!("landfall follows {} levels of nesting", crate::shape::DEEPEST_NESTING))
+        .with_note("landfall follows some hundred levels, so as not to run out of stack")
 }
 
 /// `message` with the name nearest to a misspelt one as help.
@@ -132,7 +132,7 @@ pub(super) fn misspelt<'n>(
 ) -> Diagnostic {
     let nearest = known
         .map(|candidate| (distance(name, candidate), candidate))
-        .filter(|&(distance, candidate)| distance <= candidate.len().max(name.len()) / 3)
+        .filter(|&(distance, candidate)| distance <= candidate.len().max(name.len()).div_ceil(3))
         .min();
     match nearest {
         Some((_, candidate)) => diagnostic.with_help(format!("write `{candidate}`")),

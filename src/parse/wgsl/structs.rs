@@ -34,6 +34,7 @@ pub(super) fn read(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refus
             Ok(end) => body.end = end,
             Err(Refused) => {
                 body.broken = true;
+                lexer.jump(next.start);
                 if recover(&mut lexer) {
                     break;
                 }
@@ -161,7 +162,7 @@ fn member_end<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<u32,
     }
 }
 
-/// After an error: goes on after the next `,` that ends a member; `true` at the structure's end.
+/// From the start of a member with an error: goes on after the next `,` that ends a member; `true` at the structure's end.
 fn recover(lexer: &mut Lexer<'_>) -> bool {
     let mut depth = 0i32;
     loop {

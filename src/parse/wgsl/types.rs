@@ -100,7 +100,7 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
     if word.kind != Kind::Word {
         return Err(reader.reports.refuse(report::unexpected(lexer, word, "a type")));
     }
-    reader.deeper(report::span(word), |reader| named(reader, lexer, word))
+    reader.deeper_type(report::span(word), |reader| named(reader, lexer, word))
 }
 
 /// The type a word begins, its template list read with it.
@@ -174,7 +174,7 @@ fn declared(reader: &mut Reader<'_>, index: usize, at: Span) -> Result<Typed, Re
         }
     };
     reader.types.insert(index, Known::Open);
-    let result = reader.deeper(at, |reader| read(reader, index));
+    let result = reader.deeper_name(at, |reader| read(reader, index));
     let known = match &result {
         Ok(typed) => Known::Done(typed.clone()),
         Err(Refused) => Known::Broken,
@@ -373,7 +373,7 @@ pub(super) fn constructed<'a>(
     if matrix && !lexer.peek().is(b'<') {
         return Ok(None);
     }
-    let typed = reader.deeper(report::span(word), |reader| named(reader, lexer, word))?;
+    let typed = reader.deeper_type(report::span(word), |reader| named(reader, lexer, word))?;
     Ok(match typed.meaning {
         Meaning::Data(ty) => Some(ty),
         Meaning::Opaque | Meaning::Bindings(..) => None,
