@@ -8,12 +8,11 @@ use super::constants::Outcome;
 use super::outline::Outline;
 use super::report::{self, Refused, Reports};
 use super::types::Typed;
-use crate::shape::{DEEPEST_NESTING, Override};
+use crate::shape::Override;
 use crate::source::{ReadOptions, Span};
 
-/// What nesting may cost: 128 arrays in one another, or as many structures as fit the smallest
-/// stack, that of a thread.
-const DEEPEST_GRAMMAR: u32 = 2 * DEEPEST_NESTING + 32;
+/// What nesting may cost, so as to fit the stack of a thread: 100 arrays in one another.
+const DEEPEST_GRAMMAR: u32 = 200;
 
 /// A type expression; the name it resolves costs another level.
 const TYPE_LEVEL: u32 = 2;
