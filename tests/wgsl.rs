@@ -552,3 +552,30 @@ fn uniform_memory_wants_more_than_the_rules() {
         assert_eq!(warned(good), [], "{good}");
     }
 }
+
+/// Uses most of what the reader knows, for the tests that damage it.
+const RICH: &str = "enable f16; // größe
+@id(3) override N: u32 = 4u * 2u; const K = vec3<u32>(1, 2, 3).z + u32(max(1.5, 2.0));
+alias Row = array<vec4<f32>, K>;
+struct Inner { @align(16) a: f16, /* x /* y */ */ @size(0x40) b: mat3x3<f32>, c: array<Row, N>, }
+@group(0) @binding(K - 1) var<uniform> u: Inner; fn f(a: u32) -> u32 { return a; }
+struct Tail { n: atomic<u32>, bits: array<Inner> };
+@group(0) @binding(1) var<storage, read_write> tail: Tail;
+var<storage> sel: array<f32, select(array(1, 2)[1], 3, (K > 2) && !(1 == 2))>;
+@group(0) @binding(2) var t: texture_2d<f32>;
+";
+
+#[test]
+fn damaged_text_gets_findings_and_never_a_panic() {
+    let rich = RICH;
+    assert_eq!(findings(rich).into_iter().filter(|f| f.0 != "uniform-constraints").count(), 0);
+    for (at, removed) in rich.char_indices() {
+        laid_out(&rich[..at]);
+        laid_out(&rich[at..]);
+        let rest = &rich[at + removed.len_utf8()..];
+        laid_out(&format!("{}{rest}", &rich[..at]));
+        for sign in ["{", "}", "(", ")", "<", ">", "@", ",", ";", "/*", "#", "[", "é", "0", "-"] {
+            laid_out(&format!("{}{sign}{rest}", &rich[..at]));
+        }
+    }
+}

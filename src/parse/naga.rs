@@ -215,3 +215,122 @@ fn differs(leaf: &Leaf, place: &NagaPlace) -> bool {
         offset != place.offset || leaf.strides != place.strides || !dims.eq(place.dims.clone())
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::layout::lay_out;
+    use crate::shape::{Block, Majorness, Member, Rules, Scalar, Struct, Type};
+
+    fn member(name: &str, ty: Type) -> Member {
+        Member {
+            name: Arc::from(name),
+            ty,
+            majorness: None,
+            offset: None,
+            align: None,
+            size: None,
+            span: Span::default(),
+            comment: Vec::new(),
+        }
+    }
+
+    fn float() -> Type {
+        Type::Scalar(Scalar::F32)
+    }
+
+    fn array(element: Type, length: u32) -> Type {
+        Type::Array { element: Arc::new(element), len: ArrayLen::Fixed(length) }
+    }
+
+    /// What naga says of block `B` in a GLSL text, where it differs from those members.
+    fn asked(text: &str, space: AddressSpace, rules: Rules, members: Vec<Member>) -> Vec<Leaf> {
+        let block = Block {
+            name: Arc::from("B"),
+            instance: None,
+            space,
+            rules,
+            rules_declared: true,
+            group: None,
+            binding: None,
+            count: Vec::new(),
+            majorness: Majorness::Column,
+            members,
+            opaque: Vec::new(),
+            any_order: false,
+            span: Span::default(),
+            comment: Vec::new(),
+        };
+        let mut blocks = [lay_out(&block).expect("the block has a layout")];
+        let body = text.find("broken").expect("a body") as u32;
+        let body = Span { file: 0, start: body, end: body + 6 };
+        ask(&Source::new("a.frag", format!("#version 450\n{text}").as_str()), &[], &mut blocks);
+        assert!(blocks[0].leaves.iter().all(|leaf| leaf.naga.is_none()), "a body naga refuses");
+        ask(&Source::new("a.frag", text), &[body], &mut blocks);
+        let [block] = blocks;
+        block.leaves.into_iter().filter(|leaf| leaf.naga.is_some()).collect()
+    }
+
+    /// Seen in naga 30.0.1; when this fails, take it out of the list of faults.
+    #[test]
+    fn naga_swaps_the_dimensions_of_arrays_of_arrays() {
+        let differing = asked(
+            "layout(std140, binding = 0) uniform B { float f[2][3]; }; void main() { broken }",
+            AddressSpace::Uniform,
+            Rules::Std140,
+            vec![member("f", array(array(float(), 3), 2))],
+        );
+        assert_eq!((differing.len(), &differing[0].strides[..]), (1, &[48, 16][..]));
+        let naga = differing[0].naga.as_ref().expect("it differs");
+        assert_eq!((&naga.dims[..], &naga.strides[..]), (&[Some(3), Some(2)][..], &[32, 16][..]));
+    }
+
+    /// Seen in naga 30.0.1; when this fails, take it out of the list of faults.
+    #[test]
+    fn naga_does_not_round_small_structures_in_std140() {
+        let inner =
+            Struct::new(Arc::from("S"), vec![member("a", float())], Vec::new(), Span::default());
+        let differing = asked(
+            "struct S { float a; };
+             layout(std140, binding = 0) uniform B { float x; S s; float y; };
+             void main() { broken }",
+            AddressSpace::Uniform,
+            Rules::Std140,
+            vec![
+                member("x", float()),
+                member("s", Type::Struct(Arc::new(inner))),
+                member("y", float()),
+            ],
+        );
+        let numbers: Vec<_> = differing
+            .iter()
+            .map(|leaf| (leaf.offset, leaf.naga.as_ref().map(|place| place.offset)))
+            .collect();
+        assert_eq!(numbers, [(Some(16), Some(4)), (Some(32), Some(8))]);
+    }
+
+    /// Seen in naga 30.0.1; when this fails, take it out of the list of faults.
+    #[test]
+    fn naga_lays_push_constants_out_in_std140() {
+        let vector = Type::Vector { scalar: Scalar::F32, rows: 2 };
+        let differing = asked(
+            "layout(push_constant) uniform B { vec2 g; float a[2]; }; void main() { broken }",
+            AddressSpace::PushConstant,
+            Rules::Std430,
+            vec![member("g", vector), member("a", array(float(), 2))],
+        );
+        assert_eq!((differing[0].offset, &differing[0].strides[..]), (Some(8), &[4][..]));
+        let naga = differing[0].naga.as_ref().expect("it differs");
+        assert_eq!((naga.offset, &naga.strides[..]), (16, &[16][..]));
+    }
+
+    #[test]
+    fn text_that_naga_could_overflow_on_is_not_handed_to_it() {
+        for text in ["(".repeat(10_000), "-".repeat(10_000), "array<".repeat(10_000)] {
+            assert!(wgsl_module(&format!("const x = {text}")).is_none());
+        }
+        assert_eq!(nesting("a < b; c < d; e < f;"), 1);
+    }
+}

@@ -10,6 +10,7 @@ use super::report::{self, Refused};
 use crate::diagnostic::Diagnostic;
 use crate::parse::constant::Fault;
 use crate::shape::Written;
+use crate::source::Span;
 
 /// The attributes of a member or declaration.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,20 +67,18 @@ fn argument<'a>(
     let (outcome, span) = expressions::read(reader, lexer, Within::Statement)?;
     lexer.take(b',');
     super::types::expect(reader, lexer, b')', "`)`")?;
-    let what = format!("`@{name}`");
     let value = match outcome {
         Ok(value) => value.integer(),
         Err(trouble @ Trouble::Fault(Fault::Unsupported, _)) => {
             match fallback::positive(reader.outline, reader.text, span) {
                 Some(value) => Some(value.into()),
                 None => {
-                    let code = "invalid-attribute";
-                    return Err(constants::refuse(reader, trouble, span, code, &what));
+                    return Err(refuse(reader, trouble, span, name));
                 }
             }
         }
         Err(trouble) => {
-            return Err(constants::refuse(reader, trouble, span, "invalid-attribute", &what));
+            return Err(refuse(reader, trouble, span, name));
         }
     };
     // §11: all of them are i32 or u32 and not negative.
@@ -87,10 +86,14 @@ fn argument<'a>(
         Some(value) => Ok(Written { value: value.into(), span }),
         None => {
             let text = reader.slice(span);
-            let message = format!("{what} must be a whole number from 0, `{text}` is none");
+            let message = format!("`@{name}` must be a whole number from 0, `{text}` is none");
             Err(reader.reports.refuse(Diagnostic::error("invalid-attribute", span, message)))
         }
     }
+}
+
+fn refuse(reader: &mut Reader<'_>, trouble: Trouble, at: Span, name: &str) -> Refused {
+    constants::refuse(reader, trouble, at, "invalid-attribute", &format!("`@{name}`"))
 }
 
 /// `(…)` of an attribute that says nothing about layouts.

@@ -3,15 +3,18 @@
 use super::lexer::{Kind, Token};
 use crate::source::Span;
 
+/// Comments as byte ranges.
+type Ranges = [(u32, u32)];
+
 /// Splits the comments between the end of one declaration and the first token
 /// of the next: those behind the first on its own line, and those on the lines
 /// right before the second.
 pub(super) fn split<'c>(
     text: &str,
-    comments: &'c [(u32, u32)],
+    comments: &'c Ranges,
     end: u32,
     next: Token,
-) -> (&'c [(u32, u32)], &'c [(u32, u32)]) {
+) -> (&'c Ranges, &'c Ranges) {
     let mut behind = 0;
     let mut at = end;
     while behind < comments.len() && breaks(text, at, comments[behind].0) == 0 {
@@ -33,7 +36,7 @@ pub(super) fn split<'c>(
 }
 
 /// The spans of byte ranges of the shader's own text.
-pub(super) fn spans(ranges: &[(u32, u32)]) -> impl Iterator<Item = Span> + '_ {
+pub(super) fn spans(ranges: &Ranges) -> impl Iterator<Item = Span> + '_ {
     ranges.iter().map(|&(start, end)| Span { file: 0, start, end })
 }
 

@@ -38,7 +38,7 @@ fn binary<'a>(
     weakest: u8,
 ) -> Result<Part, Refused> {
     let start = lexer.peek().start;
-    let (mut left, mut end) = unary(reader, lexer, within)?;
+    let (mut left, mut end) = unary(reader, lexer)?;
     while let Some((op, strength)) = operator(lexer, within) {
         if strength <= weakest {
             break;
@@ -92,11 +92,7 @@ fn operator(lexer: &mut Lexer<'_>, within: Within) -> Option<(&'static str, u8)>
     })
 }
 
-fn unary<'a>(
-    reader: &mut Reader<'a>,
-    lexer: &mut Lexer<'a>,
-    within: Within,
-) -> Result<Part, Refused> {
+fn unary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
     let token = lexer.peek();
     let op = match token.kind {
         Kind::Sign(b'-') => "-",
@@ -108,7 +104,7 @@ fn unary<'a>(
     };
     lexer.next();
     let (inner, end) =
-        reader.deeper_expression(report::span(token), |reader| unary(reader, lexer, within))?;
+        reader.deeper_expression(report::span(token), |reader| unary(reader, lexer))?;
     let at = Span { file: 0, start: token.start, end };
     let outcome = inner
         .and_then(|value| constant::unary(op, &value).map_err(|fault| Trouble::Fault(fault, at)));

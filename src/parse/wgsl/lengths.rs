@@ -41,21 +41,21 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
         let message = format!("an array length must be a whole number, `{text}` is none");
         return Err(reader.reports.refuse(Diagnostic::error("array-size", at, message)));
     };
-    let shown = if text == count.to_string() {
-        format!("`{text}`")
-    } else {
-        format!("`{text}`, which is {count}")
+    let shown = || match text == count.to_string() {
+        true => format!("`{text}`"),
+        false => format!("`{text}`, which is {count}"),
     };
     match u32::try_from(count) {
         Ok(0) | Err(_) if count < 1 => {
-            let message = format!("an array must have at least 1 element, this one has {shown}");
+            let message =
+                format!("an array must have at least 1 element, this one has {}", shown());
             let diagnostic = Diagnostic::error("array-size", at, message);
             let help = "write `array<T>` for as many as the buffer holds, or a length of 1 or more";
             Err(reader.reports.refuse(diagnostic.with_help(help)))
         }
         Ok(count) => Ok(Length { len: ArrayLen::Fixed(count), waits_for: None }),
         Err(_) => {
-            let message = format!("an array has at most {} elements, not {shown}", u32::MAX);
+            let message = format!("an array has at most {} elements, not {}", u32::MAX, shown());
             Err(reader.reports.refuse(Diagnostic::error("array-size", at, message)))
         }
     }

@@ -121,6 +121,25 @@ impl<'a> Lexer<'a> {
         None
     }
 
+    /// Goes on at the next of those signs outside comments, and passes it.
+    pub(super) fn scan_to(&mut self, signs: [u8; 4]) -> Token {
+        debug_assert!(self.peeked.is_none(), "a scan starts right after a token");
+        let bytes = self.text.as_bytes();
+        let mut at = self.at;
+        while let Some(&byte) = bytes.get(at) {
+            if signs.contains(&byte) {
+                self.at = at + 1;
+                return self.token(Kind::Sign(byte), at);
+            }
+            at = match byte {
+                b'/' => self.comment_end(at).unwrap_or(at + 1),
+                _ => at + 1,
+            };
+        }
+        self.at = bytes.len();
+        self.token(Kind::End, self.at)
+    }
+
     /// The end of the comment that starts there, if one does.
     fn comment_end(&mut self, start: usize) -> Option<usize> {
         let bytes = self.text.as_bytes();

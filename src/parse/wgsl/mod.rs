@@ -22,7 +22,7 @@ mod variables;
 
 use outline::Class;
 use reader::Reader;
-use report::{Refused, Reports};
+use report::Reports;
 
 use super::Parsed;
 use crate::shape::Shape;
@@ -41,10 +41,9 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let mut blocks = Vec::new();
     let mut reader = Reader::new(text, &outline, options, reports);
     for item in outline.items.iter().filter(|item| item.class == Class::Var) {
-        match variables::block(&mut reader, item) {
-            Ok(Some(block)) => blocks.push(block),
-            // Not a buffer; or refused, and said why.
-            Ok(None) | Err(Refused) => {}
+        // Otherwise it is no buffer; or it was refused, and a finding says why.
+        if let Ok(Some(block)) = variables::block(&mut reader, item) {
+            blocks.push(block);
         }
     }
     let shape = Shape { blocks, overrides: reader.overrides };

@@ -184,7 +184,10 @@ fn declaration<'a>(
         rest: name.end,
         end,
         space,
-        comment: comments::spans(before).collect(),
+        comment: match class {
+            Class::Var => comments::spans(before).collect(),
+            Class::Struct | Class::Alias | Class::Const | Class::Override | Class::Fn => Vec::new(),
+        },
     };
     if let Some(&first) = outline.names.get(item.name) {
         reports.push(report::duplicate(item.name, item.name_span, outline.items[first].name_span));
@@ -205,19 +208,15 @@ fn skip_struct(
     if !open.is(b'{') {
         return Err(reports.refuse(report::unexpected(lexer, open, "`{`")));
     }
-    let body = open.end;
-    loop {
-        let token = lexer.next();
-        match token.kind {
-            Kind::Sign(b'}') => return Ok(token.end),
-            Kind::Sign(b'#') => return Err(reports.refuse(report::preprocessor(lexer, token))),
-            Kind::Sign(b'{') | Kind::End => {
-                // Go on at the first line that looks like the next declaration.
-                lexer.jump(body);
-                let inside = lexer.text_of(name);
-                return Err(reports.refuse(report::unclosed_brace(inside, report::span(open))));
-            }
-            Kind::Word | Kind::Number | Kind::Sign(_) => {}
+    let close = lexer.scan_to(*b"{}#}");
+    match close.kind {
+        Kind::Sign(b'}') => Ok(close.end),
+        Kind::Sign(b'#') => Err(reports.refuse(report::preprocessor(lexer, close))),
+        Kind::Word | Kind::Number | Kind::Sign(_) | Kind::End => {
+            // Go on at the first word that begins a declaration.
+            lexer.jump(open.end);
+            let inside = lexer.text_of(name);
+            Err(reports.refuse(report::unclosed_brace(inside, report::span(open))))
         }
     }
 }
@@ -229,16 +228,10 @@ fn skip_function(
     reports: &mut Reports,
     name: Token,
 ) -> Result<u32, report::Refused> {
-    let open = loop {
-        let token = lexer.next();
-        match token.kind {
-            Kind::Sign(b'{') => break token,
-            Kind::Sign(b';' | b'}') | Kind::End => {
-                return Err(reports.refuse(report::unexpected(lexer, token, "`{`")));
-            }
-            Kind::Word | Kind::Number | Kind::Sign(_) => {}
-        }
-    };
+    let open = lexer.scan_to(*b"{;}#");
+    if !open.is(b'{') {
+        return Err(reports.refuse(report::unexpected(lexer, open, "`{`")));
+    }
     match lexer.skip_body() {
         Some(close) => {
             outline.bodies.push(Span { file: 0, start: open.end, end: close });
