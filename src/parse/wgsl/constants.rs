@@ -35,6 +35,7 @@ const DEEP_CHAIN: u32 = 64;
 
 /// The value of a declared constant or override.
 pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outcome {
+    reader.asked_override |= reader.outline.items[index].class == Class::Override;
     match reader.constants.get(&index) {
         Some(Known::Done(outcome)) => return outcome.clone(),
         Some(Known::Broken) => return Err(Trouble::Refused),

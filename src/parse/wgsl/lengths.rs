@@ -18,16 +18,21 @@ pub(super) struct Length {
     pub(super) len: ArrayLen,
     /// The override it waits for, by its index in the outline.
     pub(super) waits_for: Option<usize>,
+    /// The expression, if an override is in it.
+    pub(super) overridden: Option<Span>,
 }
 
 /// Reads a length inside a template list.
 pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Length, Refused> {
+    reader.asked_override = false;
     let (outcome, at) = expressions::read(reader, lexer, Within::Template)?;
+    let overridden = reader.asked_override.then_some(at);
     let text = reader.slice(at);
     let count = match outcome {
         Ok(value) => value.integer(),
         Err(Trouble::Valueless(index)) => {
-            return Ok(Length { len: ArrayLen::Override(Arc::from(text)), waits_for: Some(index) });
+            let len = ArrayLen::Override(Arc::from(text));
+            return Ok(Length { len, waits_for: Some(index), overridden });
         }
         Err(Trouble::Fault(Fault::Unsupported, place)) => {
             match fallback::positive(reader.outline, reader.text, at) {
@@ -53,7 +58,7 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
             let help = "write `array<T>` for as many as the buffer holds, or a length of 1 or more";
             Err(reader.reports.refuse(diagnostic.with_help(help)))
         }
-        Ok(count) => Ok(Length { len: ArrayLen::Fixed(count), waits_for: None }),
+        Ok(count) => Ok(Length { len: ArrayLen::Fixed(count), waits_for: None, overridden }),
         Err(_) => {
             let message = format!("an array has at most {} elements, not {}", u32::MAX, shown());
             Err(reader.reports.refuse(Diagnostic::error("array-size", at, message)))

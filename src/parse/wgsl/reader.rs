@@ -43,6 +43,8 @@ pub(super) struct Reader<'a> {
     pub(super) constants: FxHashMap<usize, Known<Outcome>>,
     /// Overrides that a size was computed from.
     pub(super) overrides: Vec<Override>,
+    /// Whether an override was asked for since this was last cleared.
+    pub(super) asked_override: bool,
     /// How deep the grammar, and names that stand for other text, are nested right now.
     depth: u32,
     /// Whether all constants up to some deep one were already read in order.
@@ -66,6 +68,7 @@ impl<'a> Reader<'a> {
             types: FxHashMap::default(),
             constants: FxHashMap::default(),
             overrides: Vec::new(),
+            asked_override: false,
             depth: 0,
             swept: false,
             warned_f16: false,

@@ -26,6 +26,8 @@ pub(super) struct Facts {
     pub(super) half: Option<Span>,
     /// It ends in a runtime-sized array, or in one whose override has no value.
     pub(super) runtime: Option<Unsized>,
+    /// The length of an array that an override says.
+    pub(super) overridden: Option<Span>,
 }
 
 /// An array whose length the text alone does not say.
@@ -57,6 +59,7 @@ impl Facts {
             opaque: self.opaque.or(other.opaque),
             half: self.half.or(other.half),
             runtime: self.runtime.or(other.runtime),
+            overridden: self.overridden.or(other.overridden),
         }
     }
 }
@@ -246,6 +249,7 @@ fn array<'a>(
             return Ok(Typed { meaning: Meaning::Opaque, facts });
         }
     };
+    facts.overridden = facts.overridden.or(length.overridden);
     facts.runtime = match length.len {
         ArrayLen::Fixed(_) => None,
         ArrayLen::Runtime | ArrayLen::Override(_) => {
@@ -276,7 +280,7 @@ fn element_and_length<'a>(
     let length = if lexer.take(b',') && !lexer.peek().is(b'>') {
         lengths::read(reader, lexer)?
     } else {
-        Length { len: ArrayLen::Runtime, waits_for: None }
+        Length { len: ArrayLen::Runtime, waits_for: None, overridden: None }
     };
     close_template(reader, lexer)?;
     Ok((element, length, at))

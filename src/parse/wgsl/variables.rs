@@ -171,7 +171,25 @@ fn check(
                 .with_help("write `enable f16;` as the first line"),
         );
     }
-    if refused { Err(Refused) } else { Ok(()) }
+    if refused {
+        return Err(Refused);
+    }
+    if let Some(at) = facts.overridden {
+        reader.reports.push(override_sized(item, at));
+    }
+    Ok(())
+}
+
+/// WGSL §6.2.9: only a workgroup variable may be sized so; naga 30 and Tint refuse buffers.
+fn override_sized(item: &Item<'_>, at: Span) -> Diagnostic {
+    let message = format!(
+        "`{}` is sized by an override, which WGSL allows in workgroup memory only",
+        item.name
+    );
+    Diagnostic::warning("override-sized-array", at, message)
+        .with_label(item.name_span, "in this buffer")
+        .with_note("the layout is the one that the override's present value gives")
+        .with_help("size it by a `const`, or leave the length out")
 }
 
 fn opaque(item: &Item<'_>, at: Span, type_at: Span) -> Diagnostic {
