@@ -90,7 +90,7 @@ pub(super) fn read<'a>(text: &'a str, reports: &mut Reports) -> Outline<'a> {
         let declared = declaration(&mut lexer, &mut outline, reports, &before);
         match declared {
             Ok(end) => last_end = end,
-            Err(report::Refused) if reports.saw_preprocessor() => {
+            Err(report::Refused) if reports.saw_preprocessor => {
                 outline.incomplete = true;
                 return outline;
             }

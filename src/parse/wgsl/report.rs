@@ -17,20 +17,18 @@ pub(super) struct Reports {
     list: Vec<Diagnostic>,
     /// How many were left out.
     more: usize,
+    /// Whether the text turned out to be another tool's template.
+    pub(super) saw_preprocessor: bool,
 }
 
 impl Reports {
     pub(super) fn push(&mut self, diagnostic: Diagnostic) {
+        self.saw_preprocessor |= diagnostic.code == "preprocessor";
         if self.list.len() < MOST_REPORTS {
             self.list.push(diagnostic);
         } else if diagnostic.severity == Severity::Error {
             self.more += 1;
         }
-    }
-
-    /// Whether the text turned out to be another tool's template.
-    pub(super) fn saw_preprocessor(&self) -> bool {
-        self.list.last().is_some_and(|last| last.code == "preprocessor")
     }
 
     /// Records why, to return `Err` with.
