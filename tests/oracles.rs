@@ -348,6 +348,8 @@ fn wgsl_structures_are_laid_out_alike() {
     let encase: Vec<OracleBlock> = wgsl::cases().into_iter().map(|case| case.block).collect();
     assert!(encase.len() >= 60, "{}", encase.len());
     let naga = naga_wgsl::blocks(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let ours = differences(&landfall::wgsl_blocks(&text), &encase);
+    assert!(ours.is_empty(), "{}", ours.iter().map(|d| format!("{d}\n")).collect::<String>());
     let differ = differences(&encase, &naga);
     let mut names: Vec<&str> = differ.iter().map(|d| d.block.as_str()).collect();
     names.dedup();

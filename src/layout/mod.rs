@@ -3,7 +3,9 @@
 //! Reads [`shape`](crate::shape), applies [`rules`]; everything that prints,
 //! checks or fills a block reads only this.
 
+pub mod attributes;
 pub mod rules;
+pub mod uniform_constraints;
 
 use std::sync::Arc;
 

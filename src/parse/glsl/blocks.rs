@@ -50,7 +50,7 @@ impl<'a> Reader<'a> {
         let unread = self.preprocessor.diagnostics.len() > errors;
         if read.members.is_empty() && read.problems.is_empty() && !unread {
             let message = format!("block `{}` has no members", name.text);
-            read.problems.push(self.diagnostic(&name, "empty-structure", message));
+            read.problems.push(self.diagnostic(&name, "empty-struct", message));
         }
         if let Some(id) = qualifiers.find("align") {
             // GLSL 4.60 §4.4.5: `align` on a block is as if on each member without its own.
