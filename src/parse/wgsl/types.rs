@@ -323,8 +323,7 @@ fn skip_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(
 }
 
 fn unknown(reader: &mut Reader<'_>, name: &str, at: Span) -> Refused {
-    let diagnostic =
-        Diagnostic::error("unknown-type", at, format!("there is no type `{name}`"));
+    let diagnostic = Diagnostic::error("unknown-type", at, format!("there is no type `{name}`"));
     let declared = reader.outline.items.iter().filter(|item| match item.class {
         Class::Struct | Class::Alias => true,
         Class::Const | Class::Override | Class::Var | Class::Fn => false,
