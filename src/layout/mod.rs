@@ -3,6 +3,12 @@
 //! Reads [`shape`](crate::shape), applies [`rules`]; everything that prints,
 //! checks or fills a block reads only this.
 
+pub mod byte;
+#[cfg(test)]
+pub(crate) mod examples;
+pub mod explain;
+pub mod padding;
+pub mod path;
 pub mod rules;
 
 use std::sync::Arc;
