@@ -221,6 +221,13 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
     gaps
 }
 
+/// The same gaps, each right after the member it follows in the text: explicit offsets may put
+/// members out of order.
+pub(crate) fn in_text_order(mut gaps: Vec<Gap>) -> Vec<Gap> {
+    gaps.sort_by_key(|gap| gap.after);
+    gaps
+}
+
 /// Tail padding a member has without being a structure: of itself, its elements, its columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Tail {
