@@ -7,6 +7,7 @@ use super::words;
 use crate::layout::BlockLayout;
 use crate::layout::byte::ByteOwner;
 use crate::layout::explain::{Explanation, Step, StepKind};
+use crate::layout::padding::PaddingKind;
 use crate::shape::Rules;
 use crate::source::Language;
 
@@ -176,10 +177,14 @@ fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> 
         }
         ByteOwner::Padding { kind, owner, path, offset, size, after, before } => {
             let of = match path.is_empty() {
-                true => owner.noun().to_string(),
+                true => format!("the {}", owner.noun()),
                 false => format!("{} {}", owner.noun(), paint.text(STRONG, path)),
             };
-            let mut text = format!("byte {byte} is padding: {} of {of}", kind.words());
+            let place = match kind {
+                PaddingKind::Hole => "a hole in",
+                PaddingKind::Tail => "tail padding of",
+            };
+            let mut text = format!("byte {byte} is padding: {place} {of}");
             if let Some(after) = after {
                 text.push_str(&format!(", after `{after}`"));
             }

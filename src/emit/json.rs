@@ -48,7 +48,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         overrides: shader.overrides.iter().map(OverrideObject::of).collect(),
         blocks: blocks.collect(),
     };
-    format!("  {}", to_lines(&object, 1))
+    format!("  {}", to_lines(&object, 0))
 }
 
 #[derive(serde::Serialize)]

@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn every_byte_of_a_block_has_an_owner_and_they_add_up() {
         for rules in [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl] {
-            for block in [padded(rules), point_lights(), particles()] {
+            for block in [padded(rules), doubles(rules), point_lights(), particles()] {
                 let size = block.size.unwrap();
                 let used = (0..size)
                     .filter(|&byte| {

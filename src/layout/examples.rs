@@ -111,6 +111,22 @@ pub fn padded(rules: Rules) -> BlockLayout {
     block(rules, members)
 }
 
+/// Structures whose last element is not padded in scalar.
+pub fn doubles(rules: Rules) -> BlockLayout {
+    let wide = Type::Scalar(Scalar::F64);
+    let s = structure("Wide", vec![member("d", wide), member("f", float())]);
+    let t =
+        structure("Outer", vec![member("s", array(array(s.clone(), 3), 2)), member("g", float())]);
+    let members = vec![
+        member("one", array(s.clone(), 3)),
+        member("f", float()),
+        member("many", array(t, 2)),
+        member("h", float()),
+        member("end", runtime(s)),
+    ];
+    block(rules, members)
+}
+
 /// A storage block with a runtime-sized tail.
 pub fn particles() -> BlockLayout {
     let particle = structure("Particle", vec![member("pos", vec(3)), member("age", float())]);

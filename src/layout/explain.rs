@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::byte::component_name;
-use super::padding::{element_size, fixed, matrix_vector, own_size, reach, structure};
+use super::padding::{array_size, element_size, fixed, matrix_vector, own_size, reach, structure};
 use super::path::{PathError, PathErrorKind, Segment, nearest, segments};
 use super::rules::{self, Rule};
 use super::{BlockLayout, MemberLayout};
@@ -426,7 +426,7 @@ impl<'a> Walk<'a> {
             Place::Members(_) => self.block.size,
             Place::Member(member, 0) => member.size,
             Place::Member(member, indexed) if indexed < member.dims.len() => {
-                Some(member.strides[indexed] * fixed(&member.dims[indexed])?)
+                array_size(member, indexed, self.block.rules)
             }
             Place::Member(member, _) => Some(element_size(member, self.block.rules)),
             Place::Vector(Components { scalar, count, stride }) => {
@@ -475,7 +475,9 @@ fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
 /// Bytes of an element of a dimension before they are rounded up to the stride.
 fn unrounded_element(member: &MemberLayout, indexed: usize, rules: Rules) -> u64 {
     match (member.dims.get(indexed + 1), member.strides.get(indexed + 1)) {
-        (Some(ArrayLen::Fixed(n)), Some(stride)) => stride * u64::from(*n),
+        (Some(ArrayLen::Fixed(_)), Some(_)) => {
+            array_size(member, indexed + 1, rules).unwrap_or_default()
+        }
         (Some(ArrayLen::Runtime | ArrayLen::Override(_)), Some(stride)) => *stride,
         _ => match member.ty.innermost() {
             Type::Struct(_) => structure(&member.members, rules).data_size,
@@ -556,7 +558,7 @@ mod tests {
     #[test]
     fn explain_and_the_owner_of_a_byte_agree() {
         for rules in [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl] {
-            for block in [padded(rules), point_lights(), particles()] {
+            for block in [padded(rules), doubles(rules), point_lights(), particles()] {
                 for byte in 0..block.size.unwrap() {
                     if let ByteOwner::Component { path, offset, size, .. } =
                         owner_of_byte(&block, byte)

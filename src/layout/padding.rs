@@ -243,14 +243,17 @@ pub(crate) struct Tail {
 pub(crate) fn tails(member: &MemberLayout, rules: Rules) -> Vec<Tail> {
     let mut tails = Vec::new();
     let mut push = |owner, offset, end: u64, times| {
-        if end > offset {
+        if end > offset && times > 0 {
             tails.push(Tail { owner, offset, size: end - offset, times });
         }
     };
     push(PaddingOwner::Member, own_size(member, rules), reach(member), 1);
     let count = elements(&member.dims);
     if let Some(&stride) = member.strides.last() {
-        push(PaddingOwner::Element, element_size(member, rules), stride, count);
+        // In scalar the padding after the last element is not the array's.
+        let unpadded = u64::from(rules == Rules::Scalar && member.size.is_some());
+        let times = count.saturating_sub(unpadded);
+        push(PaddingOwner::Element, element_size(member, rules), stride, times);
     }
     if let (Some(stride), Some(vector)) = (member.matrix_stride, matrix_vector(member)) {
         let owner = if member.row_major { PaddingOwner::Row } else { PaddingOwner::Column };
@@ -307,8 +310,21 @@ pub(crate) fn reach(member: &MemberLayout) -> u64 {
 /// Bytes a member's type takes up by itself, before `@size`.
 pub(crate) fn own_size(member: &MemberLayout, rules: Rules) -> u64 {
     match (member.dims.first(), member.strides.first()) {
-        (Some(len), Some(stride)) => stride * fixed(len).unwrap_or(1),
+        (Some(len), Some(stride)) => {
+            array_size(member, 0, rules).unwrap_or(stride * fixed(len).unwrap_or(1))
+        }
         _ => element_size(member, rules),
+    }
+}
+
+/// Bytes of an array from that dimension inwards; `None` when runtime-sized.
+pub(crate) fn array_size(member: &MemberLayout, dim: usize, rules: Rules) -> Option<u64> {
+    let whole = member.strides.get(dim)? * fixed(member.dims.get(dim)?)?;
+    let last = member.strides.last()?.saturating_sub(element_size(member, rules));
+    match rules {
+        Rules::Std140 | Rules::Std430 | Rules::Wgsl => Some(whole),
+        // GL_EXT_scalar_block_layout: the padding after the last element is not the array's.
+        Rules::Scalar => Some(whole.saturating_sub(last)),
     }
 }
 
@@ -317,7 +333,13 @@ pub(crate) fn element_size(member: &MemberLayout, rules: Rules) -> u64 {
     match member.ty.innermost() {
         Type::Struct(_) => {
             let structure = structure(&member.members, rules);
-            structure.data_size.next_multiple_of(structure.align)
+            match rules {
+                Rules::Std140 | Rules::Std430 | Rules::Wgsl => {
+                    structure.data_size.next_multiple_of(structure.align)
+                }
+                // GL_EXT_scalar_block_layout: a structure ends with its last member.
+                Rules::Scalar => structure.data_size,
+            }
         }
         Type::Scalar(_)
         | Type::Atomic(_)
@@ -410,7 +432,7 @@ mod tests {
     #[test]
     fn padding_and_components_make_up_the_block() {
         for rules in [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl] {
-            for block in [padded(rules), point_lights(), particles()] {
+            for block in [padded(rules), doubles(rules), point_lights(), particles()] {
                 let total: u64 = padding(&block).iter().map(|p| p.size * p.times).sum();
                 assert_eq!(total + block.used(), block.size.unwrap(), "{rules:?} {}", block.name);
             }
