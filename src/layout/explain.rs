@@ -8,9 +8,10 @@ use std::sync::Arc;
 
 use super::byte::component_name;
 use super::padding::{array_size, element_size, fixed, matrix_vector, own_size, reach, structure};
-use super::path::{PathError, PathErrorKind, Segment, nearest, segments};
+use super::path::{PathError, PathErrorKind, Segment, segments};
 use super::rules::{self, Rule};
 use super::{BlockLayout, MemberLayout};
+use crate::parse::nearest;
 use crate::shape::{AddressSpace, ArrayLen, Majorness, Rules, Scalar, Type};
 use crate::source::Language;
 
@@ -172,7 +173,7 @@ fn unknown_member(owner: String, name: &str, members: &[MemberLayout]) -> PathEr
     PathErrorKind::UnknownMember {
         owner,
         name: name.to_string(),
-        nearest: nearest(name, members.iter().map(|m| &m.name)),
+        nearest: nearest(name, members.iter().map(|m| &*m.name)).map(Arc::from),
         members: members.iter().map(|m| m.name.clone()).collect(),
     }
 }

@@ -221,35 +221,6 @@ pub(crate) fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
     Ok(segments)
 }
 
-/// The name most like `wanted`, if one is near enough to be a slip of the keyboard.
-pub(crate) fn nearest<'a>(
-    wanted: &str,
-    names: impl Iterator<Item = &'a Arc<str>>,
-) -> Option<Arc<str>> {
-    let most = (wanted.chars().count() / 3).max(1);
-    names
-        .map(|name| (distance(&wanted.to_lowercase(), &name.to_lowercase()), name))
-        .filter(|(distance, _)| *distance <= most)
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, name)| name.clone())
-}
-
-/// Edits (insert, remove, replace a character) from one word to the other.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -273,13 +244,5 @@ mod tests {
                 other => panic!("{path}: {other:?}"),
             }
         }
-    }
-
-    #[test]
-    fn the_nearest_name_is_suggested_only_when_near() {
-        let names: Vec<Arc<str>> = vec!["position".into(), "color".into()];
-        assert_eq!(nearest("colour", names.iter()).as_deref(), Some("color"));
-        assert_eq!(nearest("Position", names.iter()).as_deref(), Some("position"));
-        assert_eq!(nearest("radius", names.iter()), None);
     }
 }
