@@ -91,7 +91,7 @@ struct Block<'a> {
     align: Option<u64>,
     span: Place,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    opaque: Vec<&'a str>,
+    opaque: Vec<String>,
     members: Vec<Member<'a>>,
     leaves: Vec<LeafObject<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -185,7 +185,7 @@ fn block_object<'a>(
         data_size: block.data_size,
         align: block.align,
         span: context.place(block.span),
-        opaque: block.opaque.iter().map(|name| &**name).collect(),
+        opaque: words::opaque(block),
         members: block.members.iter().map(|m| member_object(m, context)).collect(),
         leaves: block.leaves.iter().map(|leaf| leaf_object(leaf, context.language)).collect(),
         offsets: expanded.then_some(Offsets(block)),

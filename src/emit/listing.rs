@@ -284,11 +284,11 @@ impl Listing<'_> {
         }
     }
 
-    /// `row_major mat4 m[2];`, `m : array<mat4x4<f32>, 2>,`.
+    /// `layout(row_major) mat4 m[2];`, `m : array<mat4x4<f32>, 2>,`.
     fn declaration(&self, member: &MemberLayout) -> String {
         match self.language {
             Language::Glsl => {
-                let row_major = if member.row_major { "row_major " } else { "" };
+                let row_major = if member.row_major { "layout(row_major) " } else { "" };
                 let ty = words::type_name(&member.ty, self.language);
                 format!("{row_major}{ty} {}{};", member.name, words::dims(&member.dims))
             }

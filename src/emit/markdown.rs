@@ -41,8 +41,9 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         if !summary.is_empty() {
             text.push_str(&format!("\n{summary}\n"));
         }
-        if !block.opaque.is_empty() {
-            let names: Vec<String> = block.opaque.iter().map(|name| code(name)).collect();
+        let opaque = words::opaque(block);
+        if !opaque.is_empty() {
+            let names: Vec<String> = opaque.iter().map(|path| code(path)).collect();
             text.push_str(&format!("\nOpaque, no bytes: {}\n", names.join(", ")));
         }
     }

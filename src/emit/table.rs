@@ -86,10 +86,11 @@ fn footer(block: &BlockLayout, rows: &[Row], paint: Paint, text: &mut String) {
     };
     line(STRONG, &words::summary(block));
     if rows.iter().any(|row| row.inherited > 0) {
-        line(FAINT, "offsets are those of elements 0: element i lies i × stride further");
+        line(FAINT, "offsets are those of element 0; element i lies i × stride further");
     }
-    if !block.opaque.is_empty() {
-        line(FAINT, &format!("opaque, no bytes: {}", block.opaque.join(", ")));
+    let opaque = words::opaque(block);
+    if !opaque.is_empty() {
+        line(FAINT, &format!("opaque, no bytes: {}", opaque.join(", ")));
     }
 }
 
@@ -271,5 +272,94 @@ fn cell(row: &Row, column: usize, width: usize, paint: Paint) -> String {
         NAME => painted,
         _ if is_word => format!("{painted}{fill}"),
         _ => format!("{fill}{painted}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::emit::{EmitOptions, Format, Paint, document};
+    use crate::layout::{NagaPlace, examples};
+    use crate::shape::Rules;
+    use crate::source::Language;
+
+    fn table(blocks: Vec<crate::BlockLayout>) -> String {
+        let shader = examples::shader("a.frag", Language::Glsl, blocks);
+        document(&shader, &EmitOptions::new(Format::Table))
+    }
+
+    #[test]
+    fn point_lights_are_a_table_with_their_padding() {
+        assert_eq!(
+            table(vec![examples::point_lights()]),
+            "\
+a.frag (fragment)
+
+uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
+  offset  size  align  stride  type        name
+       0  6144     16      48  PointLight  data[128]
+       0    12     16      48  vec3          pos
+      12     4             48                -- hole
+      16    12     16      48  vec3          color
+      28     4      4      48  float         intensity
+      32     4      4      48  float         constant
+      36     4      4      48  float         linear
+      40     4      4      48  float         quadratic
+      44     4             48                -- tail padding of PointLight
+    6144     4      4          int         actually_used_count
+    6148    12                             -- tail padding
+  6160 bytes: 5124 used, 1036 padding (16.8 %)
+  offsets are those of element 0; element i lies i × stride further
+"
+        );
+    }
+
+    #[test]
+    fn nested_arrays_matrices_and_what_naga_says_are_shown() {
+        let mut block = examples::padded(Rules::Std140);
+        block.leaves[2].naga =
+            Some(NagaPlace { offset: 28, dims: vec![Some(7)], strides: vec![4] });
+        block.rules_declared = false;
+        let text = table(vec![block]);
+        for line in [
+            "std140 · rules not declared: the driver's offsets may differ · 832 bytes",
+            "      32   112     16         16           float   w[7]  <- naga reads 28 stride 4",
+            "      36    12                16                     -- tail padding of each element",
+            "     144     4      4  288 96 16           float       a",
+            "     720    96     16         48  16 rows  mat2x3  r[2]",
+        ] {
+            assert!(text.contains(line), "{line}\n{text}");
+        }
+    }
+
+    #[test]
+    fn loose_uniforms_have_only_types_and_names() {
+        let text = table(vec![examples::loose()]);
+        assert!(text.contains("\n  type   name\n  vec3   view_pos\n"), "{text}");
+        assert!(text.contains("  opaque, no bytes: diffuse\n"), "{text}");
+    }
+
+    #[test]
+    fn colours_change_no_letter() {
+        let blocks = || vec![examples::padded(Rules::Std430), examples::particles()];
+        let shader = examples::shader("a.frag", Language::Glsl, blocks());
+        let options = EmitOptions { paint: Paint::Ansi, ..EmitOptions::new(Format::Table) };
+        let mut text = document(&shader, &options);
+        assert!(text.contains("\x1b["));
+        while let Some(start) = text.find('\x1b') {
+            let end = start + text[start..].find('m').expect("an escape ends in m");
+            text.replace_range(start..=end, "");
+        }
+        let plain = table(blocks());
+        let trimmed = |text: &str| text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n");
+        assert_eq!(trimmed(&text), trimmed(&plain));
+    }
+
+    #[test]
+    fn expanded_every_element_has_a_row() {
+        let shader = examples::shader("a.frag", Language::Glsl, vec![examples::point_lights()]);
+        let options = EmitOptions { expand: true, ..EmitOptions::new(Format::Table) };
+        let text = document(&shader, &options);
+        assert!(text.contains("     160    12  vec3   data[3].color\n"), "{text}");
+        assert_eq!(text.matches("data[").count(), 128 * 6);
     }
 }

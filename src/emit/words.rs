@@ -1,7 +1,7 @@
 //! Short phrases several formats share: what a block is, how many bytes, where naga differs.
 
 use crate::layout::padding::{PaddingKind, PaddingOwner};
-use crate::layout::{BlockLayout, Leaf};
+use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::Language;
 
@@ -40,6 +40,20 @@ pub(super) fn slot(block: &BlockLayout, language: Language) -> String {
         ),
     };
     [group, binding].into_iter().flatten().collect::<Vec<_>>().join(join)
+}
+
+/// The samplers and images of a block as paths, those in structures too: `lights[].shadow`.
+pub(super) fn opaque(block: &BlockLayout) -> Vec<String> {
+    let mut paths: Vec<String> = block.opaque.iter().map(|name| name.to_string()).collect();
+    block.members.iter().for_each(|member| opaque_in(member, "", &mut paths));
+    paths
+}
+
+fn opaque_in(member: &MemberLayout, parent: &str, paths: &mut Vec<String>) {
+    let Type::Struct(s) = member.ty.innermost() else { return };
+    let path = format!("{parent}{}{}.", member.name, "[]".repeat(member.dims.len()));
+    paths.extend(s.opaque.iter().map(|name| format!("{path}{name}")));
+    member.members.iter().for_each(|inner| opaque_in(inner, &path, paths));
 }
 
 /// How many buffers an array of blocks stands for; `None` without a number.

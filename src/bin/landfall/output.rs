@@ -189,7 +189,10 @@ pub fn write_file(path: &Path, text: &str) -> Result<(), Error> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    fs::create_dir_all(folder).map_err(failed)?;
+    fs::create_dir_all(folder).map_err(|cause| {
+        let message = format!("cannot be made a directory: {}", reason(&cause));
+        Error::new(folder.display().to_string(), message)
+    })?;
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.partial", std::process::id()));
     let partial = folder.join(name);

@@ -65,7 +65,11 @@ impl<'a> Writer<'a> {
         }
         self.streams.report(&done.findings);
         let room = NAMES.saturating_sub(self.others.len());
-        self.others.extend(done.others.into_iter().take(room));
+        for name in done.others.into_iter().take(room) {
+            if !self.others.contains(&name) {
+                self.others.push(name);
+            }
+        }
         match (&done.product, &self.args.out) {
             (Some(text), None) => self.to_stdout(text)?,
             (Some(text), Some(_)) => self.to_file(text, &done.relative, &done.path)?,
