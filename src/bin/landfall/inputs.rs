@@ -3,7 +3,6 @@
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
-use std::vec;
 
 use globset::{GlobBuilder, GlobMatcher};
 use ignore::{Walk, WalkBuilder};
@@ -23,7 +22,7 @@ pub struct Input {
 /// The files named by the arguments of a command line, in their order; those of a directory by
 /// name; each once.
 pub struct Inputs {
-    arguments: vec::IntoIter<PathBuf>,
+    arguments: std::vec::IntoIter<PathBuf>,
     walk: Option<Search>,
     seen: Option<HashSet<PathBuf>>,
 }
@@ -39,10 +38,10 @@ struct Search {
 }
 
 impl Inputs {
-    pub fn new(arguments: &[PathBuf]) -> Inputs {
+    pub fn new(arguments: Vec<PathBuf>) -> Inputs {
         // One argument names no file twice.
         let seen = (arguments.len() > 1).then(HashSet::new);
-        Inputs { arguments: arguments.to_vec().into_iter(), walk: None, seen }
+        Inputs { arguments: arguments.into_iter(), walk: None, seen }
     }
 
     fn is_new(&mut self, path: &Path) -> bool {
@@ -167,7 +166,7 @@ impl Search {
     fn takes(&self, path: &Path) -> bool {
         let known = source::kind_of_path(path).is_some();
         match &self.glob {
-            Some(glob) => glob.is_match(path) && (known || !self.argument.ends_with_star()),
+            Some(glob) => glob.is_match(path) && (known || !ends_with_star(&self.argument)),
             None => known,
         }
     }
@@ -187,14 +186,8 @@ impl Search {
     }
 }
 
-trait EndsWithStar {
-    fn ends_with_star(&self) -> bool;
-}
-
-impl EndsWithStar for PathBuf {
-    fn ends_with_star(&self) -> bool {
-        self.as_os_str().to_string_lossy().ends_with('*')
-    }
+fn ends_with_star(glob: &Path) -> bool {
+    glob.as_os_str().to_string_lossy().ends_with('*')
 }
 
 /// A path that stays below the directory it is joined to.

@@ -31,7 +31,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let mut writer = Writer::new(args, &job.emit, job.style, streams);
     work::ordered(
-        Inputs::new(&args.files),
+        Inputs::new(args.files.clone()),
         args.jobs,
         |input| job.one(input),
         |done| writer.take(done),

@@ -1,7 +1,7 @@
 //! The layouts of a run in order: one document on stdout, or a file a shader below `--out`.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use landfall::emit::{self, EmitOptions};
@@ -71,8 +71,8 @@ impl<'a> Writer<'a> {
             }
         }
         match (&done.product, &self.args.out) {
-            (Some(text), None) => self.to_stdout(text)?,
-            (Some(text), Some(_)) => self.to_file(text, &done.relative, &done.path)?,
+            (Some(text), None) => self.print(text)?,
+            (Some(text), Some(_)) => self.write(text, &done.relative, &done.path)?,
             (None, _) => {}
         }
         self.last = done.path;
@@ -80,7 +80,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    fn to_stdout(&mut self, text: &str) -> Result<(), Failure> {
+    fn print(&mut self, text: &str) -> Result<(), Failure> {
         match self.written {
             0 => self.streams.product(&emit::opening(self.emit))?,
             _ => self.streams.product(emit::between(self.emit))?,
@@ -89,7 +89,7 @@ impl<'a> Writer<'a> {
         self.streams.product(text)
     }
 
-    fn to_file(&mut self, text: &str, relative: &PathBuf, path: &PathBuf) -> Result<(), Failure> {
+    fn write(&mut self, text: &str, relative: &Path, path: &Path) -> Result<(), Failure> {
         let out = self.args.out.as_deref().expect("only called with --out");
         let mut target = out.join(relative).into_os_string();
         target.push(".");
@@ -106,7 +106,7 @@ impl<'a> Writer<'a> {
                 .into());
         }
         write_file(&target, text)?;
-        self.targets.insert(target, path.clone());
+        self.targets.insert(target, path.to_path_buf());
         self.written += 1;
         Ok(())
     }
