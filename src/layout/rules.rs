@@ -34,7 +34,7 @@ impl Alignment {
 
     /// Whether `offset` is a multiple.
     pub fn divides(self, offset: u64) -> bool {
-        offset % self.0 == 0
+        offset.is_multiple_of(self.0)
     }
 }
 

@@ -32,6 +32,8 @@ pub(super) struct Reader<'a> {
     pub loose: Vec<Member>,
     /// Loose uniforms that are handles: their names.
     pub loose_opaque: Vec<Arc<str>>,
+    /// Structures whose members are being read, one inside the other.
+    pub open_structures: u32,
 }
 
 /// What `layout(…) uniform;` and `layout(…) buffer;` set for the blocks that follow.
@@ -86,6 +88,7 @@ impl<'a> Reader<'a> {
             blocks: Vec::new(),
             loose: Vec::new(),
             loose_opaque: Vec::new(),
+            open_structures: 0,
         }
     }
 

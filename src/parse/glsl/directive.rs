@@ -232,7 +232,9 @@ impl<'a> Preprocessor<'a> {
     }
 
     fn knows(&self, name: &str) -> bool {
-        self.macros.contains_key(name) || matches!(name, "__LINE__" | "__FILE__")
+        self.macros.contains_key(name)
+            || matches!(name, "__LINE__" | "__FILE__")
+            || is_common_extension(name, self.version.es)
     }
 
     fn condition(&mut self, at: Span) -> Result<bool, Problem> {
@@ -258,7 +260,7 @@ impl<'a> Preprocessor<'a> {
         if tokens.is_empty() {
             return Err(Problem::new(at, "is empty"));
         }
-        let value = expression::evaluate(&tokens, at, &mut Undefined)?;
+        let value = expression::evaluate(&tokens, at, &mut Undefined { es: self.version.es })?;
         value.integer().map(|v| v != 0).ok_or_else(|| Problem::new(at, "is no whole number"))
     }
 
@@ -368,13 +370,30 @@ impl<'a> Preprocessor<'a> {
     }
 }
 
+/// Whether a name is that of an extension that is taken to be there when a shader asks with
+/// `#ifdef`: the ones several vendors share. Those of one vendor are not, unless enabled.
+fn is_common_extension(name: &str, es: bool) -> bool {
+    let Some((vendor, rest)) = name.strip_prefix("GL_").and_then(|n| n.split_once('_')) else {
+        return false;
+    };
+    let common = match vendor {
+        "EXT" | "KHR" | "GOOGLE" => true,
+        "ARB" => !es,
+        "OES" => es,
+        _ => false,
+    };
+    common && rest.starts_with(|c: char| c.is_ascii_lowercase())
+}
+
 /// In an `#if`, a name that is no macro is 0.
-struct Undefined;
+struct Undefined {
+    es: bool,
+}
 
 impl<'a> Names<'a> for Undefined {
     const DIRECTIVE: bool = true;
 
-    fn value(&mut self, _: &Token<'a>) -> Result<Value, Problem> {
-        Ok(Value::Long(0))
+    fn value(&mut self, name: &Token<'a>) -> Result<Value, Problem> {
+        Ok(Value::Long(is_common_extension(name.text, self.es).into()))
     }
 }

@@ -26,12 +26,13 @@ impl<'a> Preprocessor<'a> {
         let span =
             Span { end: directive.span.end + rest.trim_end().len() as u32, ..directive.span };
         if let Some(cycle) = self.cycle_past_bound() {
-            self.stopped = true;
-            return self.report(
+            self.report(
                 Diagnostic::error("cyclic-include", span, format!("`{name}` includes itself"))
                     .with_note(cycle)
                     .with_help("guard the file with `#ifndef NAME`, `#define NAME`, `#endif`"),
             );
+            self.stopped = true;
+            return;
         }
         let (places, found) = self.find(name, angled, span.file);
         let Some(path) = found else {
@@ -46,9 +47,10 @@ impl<'a> Preprocessor<'a> {
             Ok((file, text)) => {
                 self.included_bytes += text.len();
                 if self.included_bytes > MOST_INCLUDED {
-                    self.stopped = true;
                     let message = format!("includes add more than {MOST_INCLUDED} bytes");
-                    return self.report(Diagnostic::error("include-bomb", span, message));
+                    self.report(Diagnostic::error("include-bomb", span, message));
+                    self.stopped = true;
+                    return;
                 }
                 let conditions = self.conditions.len();
                 self.frames.push(Frame::File { lexer: Lexer::new(text, file), conditions });

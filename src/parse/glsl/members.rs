@@ -12,6 +12,9 @@ use crate::parse::nearest;
 use crate::shape::{ArrayLen, DEEPEST_NESTING, Majorness, Member, Struct, Type, Written};
 use crate::source::Span;
 
+/// Structures may be declared inside each other this deep; the language forbids it altogether.
+const DEEPEST_STRUCTURE: u32 = 16;
+
 /// How a declaration says its type.
 #[derive(Clone, Debug)]
 pub(super) enum TypeName<'a> {
@@ -60,7 +63,17 @@ impl<'a> Reader<'a> {
             self.recover();
             return None;
         }
+        if self.open_structures == DEEPEST_STRUCTURE {
+            let message = format!(
+                "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
+            );
+            self.report_at(&name, "nested-too-deep", message);
+            self.preprocessor.stopped = true;
+            return None;
+        }
+        self.open_structures += 1;
         let mut read = self.members(Place::Struct, &name);
+        self.open_structures -= 1;
         if !self.close(&open) {
             return None;
         }

@@ -120,6 +120,9 @@ impl<'a> Preprocessor<'a> {
 
     /// Notes a finding; past [`MOST_ERRORS`] the stream ends.
     pub fn report(&mut self, diagnostic: Diagnostic) {
+        if self.stopped {
+            return; // what follows comes of having stopped
+        }
         self.diagnostics.push(diagnostic);
         self.directive_errors += 1;
         if self.directive_errors >= MOST_ERRORS {

@@ -1,0 +1,133 @@
+#version 330 core
+// Six lights: a sun, four point lights and a flashlight, set uniform by uniform
+// ("pointLights[2].linear"). There is no block and so no layout until the loose
+// uniforms are gathered into one; samplers can never be part of it.
+
+#define NR_POINT_LIGHTS 4
+
+struct Material {
+    sampler2D diffuse;
+    sampler2D specular;
+    sampler2D flashlight; // what the flashlight's highlight is coloured with
+    float shininess;
+};
+
+struct DirLight {
+    vec3 direction; // the way the light travels
+
+    vec3 ambient;
+    vec3 diffuse;
+    vec3 specular;
+};
+
+struct PointLight {
+    vec3 position;
+
+    vec3 ambient;
+    vec3 diffuse;
+    vec3 specular;
+
+    float constant;
+    float linear;
+    float quadratic;
+};
+
+struct SpotLight {
+    vec3 position;
+    vec3 direction; // the way the light travels
+
+    vec3 ambient;
+    vec3 diffuse;
+    vec3 specular;
+
+    float cutOff;      // cosine of the inner cone's half angle
+    float outerCutOff; // cosine of the outer one's: the smaller number
+
+    float constant;
+    float linear;
+    float quadratic;
+};
+
+in vec3 FragPos;
+in vec3 Normal;
+in vec2 TexCoords;
+
+uniform vec3 viewPos;
+uniform Material material;
+uniform DirLight dirLight;
+uniform PointLight pointLights[NR_POINT_LIGHTS];
+uniform SpotLight spotLight;
+
+out vec4 FragColor;
+
+// Unit vector along v; the zero vector stays zero.
+vec3 unit(vec3 v) {
+    return v * inversesqrt(max(dot(v, v), 1.0e-30));
+}
+
+vec3 CalcDirLight(DirLight light, vec3 normal, vec3 viewDir);
+vec3 CalcPointLight(PointLight light, vec3 normal, vec3 fragPos, vec3 viewDir);
+vec3 CalcSpotLight(SpotLight light, vec3 normal, vec3 fragPos, vec3 viewDir);
+
+void main() {
+    vec3 normal = unit(Normal);
+    vec3 viewDir = unit(viewPos - FragPos);
+
+    vec3 sum = CalcDirLight(dirLight, normal, viewDir);
+    for (int i = 0; i < NR_POINT_LIGHTS; ++i) {
+        sum += CalcPointLight(pointLights[i], normal, FragPos, viewDir);
+    }
+    sum += CalcSpotLight(spotLight, normal, FragPos, viewDir);
+
+    FragColor = vec4(sum, 1.0);
+}
+
+// Phong's highlight: how well the mirrored light hits the eye, to the power `shininess`.
+float highlight(vec3 toLight, vec3 normal, vec3 viewDir) {
+    float x = dot(viewDir, reflect(-toLight, normal));
+    return x > 0.0 ? pow(min(x, 1.0), material.shininess) : 0.0;
+}
+
+// Horner's form: no d * d that could overflow before it is scaled down.
+float attenuation(float constant, float linear, float quadratic, float d) {
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+}
+
+// 1 inside the inner cone, 0 outside the outer one, linear in the cosine between.
+// The cosines are compared as 1 - cos = |a - b|^2 / 2, which stays exact for narrow
+// cones, where two cosines next to 1 have no digits left to subtract.
+float cone(vec3 toLight, vec3 direction, float cutOff, float outerCutOff) {
+    vec3 chord = toLight - unit(-direction);
+    float outer = 1.0 - outerCutOff;
+    float inner = 1.0 - cutOff;
+    return clamp((outer - 0.5 * dot(chord, chord)) / max(outer - inner, 1.0e-9), 0.0, 1.0);
+}
+
+vec3 CalcDirLight(DirLight light, vec3 normal, vec3 viewDir) {
+    vec3 toLight = unit(-light.direction);
+    vec3 surface = texture(material.diffuse, TexCoords).rgb;
+    vec3 gloss = texture(material.specular, TexCoords).rgb;
+    return (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
+         + light.specular * highlight(toLight, normal, viewDir) * gloss;
+}
+
+vec3 CalcPointLight(PointLight light, vec3 normal, vec3 fragPos, vec3 viewDir) {
+    vec3 path = light.position - fragPos;
+    vec3 toLight = unit(path);
+    vec3 surface = texture(material.diffuse, TexCoords).rgb;
+    vec3 gloss = texture(material.specular, TexCoords).rgb;
+    vec3 lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
+             + light.specular * highlight(toLight, normal, viewDir) * gloss;
+    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path));
+}
+
+vec3 CalcSpotLight(SpotLight light, vec3 normal, vec3 fragPos, vec3 viewDir) {
+    vec3 path = light.position - fragPos;
+    vec3 toLight = unit(path);
+    vec3 surface = texture(material.diffuse, TexCoords).rgb;
+    vec3 gloss = texture(material.flashlight, TexCoords).rgb;
+    vec3 lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
+             + light.specular * highlight(toLight, normal, viewDir) * gloss;
+    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path))
+               * cone(toLight, light.direction, light.cutOff, light.outerCutOff);
+}

@@ -1,0 +1,140 @@
+#version 450
+// Six lights: a sun, four point lights and a flashlight, in std140 blocks with
+// explicit bindings, as Vulkan needs them.
+//
+// A float that follows a vec3 moves into the vec3's fourth component: `constant`
+// at 60 and `cutOff` at 76 are no typing errors.
+
+#define NR_POINT_LIGHTS 4
+
+struct DirLight {
+    vec3 direction; // offset 0, the way the light travels
+
+    vec3 ambient;   // offset 16
+    vec3 diffuse;   // offset 32
+    vec3 specular;  // offset 48, size 64 in all
+};
+
+struct PointLight {
+    vec3 position;   // offset 0
+
+    vec3 ambient;    // offset 16
+    vec3 diffuse;    // offset 32
+    vec3 specular;   // offset 48
+
+    float constant;  // offset 60
+    float linear;    // offset 64
+    float quadratic; // offset 68, size 80 in all
+};
+
+struct SpotLight {
+    vec3 position;     // offset 0
+    vec3 direction;    // offset 16, the way the light travels
+
+    vec3 ambient;      // offset 32
+    vec3 diffuse;      // offset 48
+    vec3 specular;     // offset 64
+
+    float cutOff;      // offset 76, cosine of the inner cone's half angle
+    float outerCutOff; // offset 80, cosine of the outer one's: the smaller number
+
+    float constant;    // offset 84
+    float linear;      // offset 88
+    float quadratic;   // offset 92, size 96 in all
+};
+
+layout(location = 0) in vec3 FragPos;
+layout(location = 1) in vec3 Normal;
+layout(location = 2) in vec2 TexCoords;
+
+layout(std140, set = 0, binding = 0) uniform ViewBlock {
+    vec3 viewPos; // offset 0
+};
+
+layout(std140, set = 0, binding = 1) uniform LightBlock {
+    DirLight dirLight;                       // offset 0
+    PointLight pointLights[NR_POINT_LIGHTS]; // offset 64
+    SpotLight spotLight;                     // offset 384, size 480 in all
+};
+
+layout(std140, set = 2, binding = 0) uniform MaterialBlock {
+    float shininess; // offset 0
+} material;
+
+layout(set = 2, binding = 1) uniform sampler2D materialDiffuse;
+layout(set = 2, binding = 2) uniform sampler2D materialSpecular;
+layout(set = 2, binding = 3) uniform sampler2D materialFlashlight;
+
+layout(location = 0) out vec4 FragColor;
+
+// Unit vector along v; the zero vector stays zero.
+vec3 unit(vec3 v) {
+    return v * inversesqrt(max(dot(v, v), 1.0e-30));
+}
+
+vec3 CalcDirLight(DirLight light, vec3 normal, vec3 viewDir);
+vec3 CalcPointLight(PointLight light, vec3 normal, vec3 fragPos, vec3 viewDir);
+vec3 CalcSpotLight(SpotLight light, vec3 normal, vec3 fragPos, vec3 viewDir);
+
+void main() {
+    vec3 normal = unit(Normal);
+    vec3 viewDir = unit(viewPos - FragPos);
+
+    vec3 sum = CalcDirLight(dirLight, normal, viewDir);
+    for (int i = 0; i < NR_POINT_LIGHTS; ++i) {
+        sum += CalcPointLight(pointLights[i], normal, FragPos, viewDir);
+    }
+    sum += CalcSpotLight(spotLight, normal, FragPos, viewDir);
+
+    FragColor = vec4(sum, 1.0);
+}
+
+// Phong's highlight: how well the mirrored light hits the eye, to the power `shininess`.
+float highlight(vec3 toLight, vec3 normal, vec3 viewDir) {
+    float x = dot(viewDir, reflect(-toLight, normal));
+    return x > 0.0 ? pow(min(x, 1.0), material.shininess) : 0.0;
+}
+
+// Horner's form: no d * d that could overflow before it is scaled down.
+float attenuation(float constant, float linear, float quadratic, float d) {
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+}
+
+// 1 inside the inner cone, 0 outside the outer one, linear in the cosine between.
+// The cosines are compared as 1 - cos = |a - b|^2 / 2, which stays exact for narrow
+// cones, where two cosines next to 1 have no digits left to subtract.
+float cone(vec3 toLight, vec3 direction, float cutOff, float outerCutOff) {
+    vec3 chord = toLight - unit(-direction);
+    float outer = 1.0 - outerCutOff;
+    float inner = 1.0 - cutOff;
+    return clamp((outer - 0.5 * dot(chord, chord)) / max(outer - inner, 1.0e-9), 0.0, 1.0);
+}
+
+vec3 CalcDirLight(DirLight light, vec3 normal, vec3 viewDir) {
+    vec3 toLight = unit(-light.direction);
+    vec3 surface = texture(materialDiffuse, TexCoords).rgb;
+    vec3 gloss = texture(materialSpecular, TexCoords).rgb;
+    return (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
+         + light.specular * highlight(toLight, normal, viewDir) * gloss;
+}
+
+vec3 CalcPointLight(PointLight light, vec3 normal, vec3 fragPos, vec3 viewDir) {
+    vec3 path = light.position - fragPos;
+    vec3 toLight = unit(path);
+    vec3 surface = texture(materialDiffuse, TexCoords).rgb;
+    vec3 gloss = texture(materialSpecular, TexCoords).rgb;
+    vec3 lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
+             + light.specular * highlight(toLight, normal, viewDir) * gloss;
+    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path));
+}
+
+vec3 CalcSpotLight(SpotLight light, vec3 normal, vec3 fragPos, vec3 viewDir) {
+    vec3 path = light.position - fragPos;
+    vec3 toLight = unit(path);
+    vec3 surface = texture(materialDiffuse, TexCoords).rgb;
+    vec3 gloss = texture(materialFlashlight, TexCoords).rgb;
+    vec3 lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
+             + light.specular * highlight(toLight, normal, viewDir) * gloss;
+    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path))
+               * cone(toLight, light.direction, light.cutOff, light.outerCutOff);
+}

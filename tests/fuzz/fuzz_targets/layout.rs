@@ -1,0 +1,18 @@
+//! Lays out whatever text the fuzzer comes up with, in both languages.
+
+#![no_main]
+
+use landfall::{Language, Options, Source, Stage, layout};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|text: &str| {
+    for language in [Language::Glsl, Language::Wgsl] {
+        let source = Source {
+            path: "fuzz".into(),
+            text: text.into(),
+            language,
+            stage: Some(Stage::Fragment),
+        };
+        layout(&source, &Options { gather: true, ..Options::default() });
+    }
+});
