@@ -2,8 +2,8 @@
 
 use super::{EmitOptions, expand};
 use crate::ShaderLayout;
-use crate::layout::padding::fixed;
-use crate::layout::{BlockLayout, Leaf, MemberLayout, padding};
+use crate::layout::measure::{element_size, fixed};
+use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen};
 
 pub(super) const HEADER: &str = "shader,block,instance,address_space,rules,rules_declared,group,\
@@ -21,7 +21,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         if options.expand && expand::can_expand(block) {
             expand::for_each(block, |element| {
                 let ty = element.member.ty.innermost().spelled(shader.language).to_string();
-                let size = padding::element_size(element.member, block.rules);
+                let size = element_size(element.member, block.rules);
                 row(element_cells(element.path, ty, element.offset, size, element.member));
             });
         } else {

@@ -1,7 +1,7 @@
 //! Every element of every array by its own path, for `--expand`.
 
 use crate::diagnostic::Diagnostic;
-use crate::layout::padding::elements;
+use crate::layout::measure::elements;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::Type;
 use crate::{Error, ShaderLayout};

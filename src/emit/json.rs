@@ -239,7 +239,7 @@ fn row_major(ty: &Type, row_major: bool) -> Option<bool> {
 }
 
 fn dims(dims: &[ArrayLen]) -> Vec<Option<u64>> {
-    dims.iter().map(crate::layout::padding::fixed).collect()
+    dims.iter().map(crate::layout::measure::fixed).collect()
 }
 
 /// Every element's path and offset, written as they are met.

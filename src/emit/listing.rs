@@ -6,9 +6,8 @@ use unicode_width::UnicodeWidthStr;
 use super::paint::{FAINT, PLAIN, Paint, STRONG};
 use super::{EmitOptions, words};
 use crate::ShaderLayout;
-use crate::layout::padding::{
-    Gap, PaddingKind, PaddingOwner, element_size, gaps, in_text_order, own_size, reach, structure,
-};
+use crate::layout::measure::{element_size, own_size, reach, structure};
+use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{AddressSpace, Rules, Struct, Type};
 use crate::source::Language;

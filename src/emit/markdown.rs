@@ -2,7 +2,7 @@
 
 use super::{EmitOptions, expand, words};
 use crate::ShaderLayout;
-use crate::layout::padding::element_size;
+use crate::layout::measure::element_size;
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::{AddressSpace, Type};
 use crate::source::Language;

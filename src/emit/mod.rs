@@ -1,5 +1,5 @@
 //! Layouts and findings as text: one file a format, each reading only the
-//! [model](crate::layout).
+//! [model](mod@crate::layout).
 //!
 //! A document over many shaders is [`opening`], then each [`shader`] with
 //! [`between`] between them, then [`closing`], so that no more than one shader

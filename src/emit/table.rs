@@ -10,9 +10,8 @@ use unicode_width::UnicodeWidthStr;
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG, TYPE};
 use super::{EmitOptions, expand, words};
 use crate::ShaderLayout;
-use crate::layout::padding::{
-    Gap, PaddingKind, PaddingOwner, element_size, gaps, in_text_order, tails,
-};
+use crate::layout::measure::element_size;
+use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order, tails};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, Rules, Type};
 use crate::source::Language;

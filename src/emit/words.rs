@@ -42,15 +42,26 @@ pub(super) fn slot(block: &BlockLayout, language: Language) -> String {
     [group, binding].into_iter().flatten().collect::<Vec<_>>().join(join)
 }
 
-/// The samplers and images of a block as paths, those in structures too: `lights[].shadow`.
+/// Samplers and images of a block that are named; text made to exhaust memory may hold more.
+const MOST_OPAQUE: usize = 10_000;
+
+/// The samplers and images of a block as paths, those in structures too: `lights[].shadow`; past
+/// [`MOST_OPAQUE`] the last one is `…`.
 pub(super) fn opaque(block: &BlockLayout) -> Vec<String> {
     let mut paths: Vec<String> = block.opaque.iter().map(|name| name.to_string()).collect();
     block.members.iter().for_each(|member| opaque_in(member, "", &mut paths));
+    if paths.len() > MOST_OPAQUE {
+        paths.truncate(MOST_OPAQUE);
+        paths.push("…".to_string());
+    }
     paths
 }
 
 fn opaque_in(member: &MemberLayout, parent: &str, paths: &mut Vec<String>) {
     let Type::Struct(s) = member.ty.innermost() else { return };
+    if paths.len() > MOST_OPAQUE {
+        return;
+    }
     let path = format!("{parent}{}{}.", member.name, "[]".repeat(member.dims.len()));
     paths.extend(s.opaque.iter().map(|name| format!("{path}{name}")));
     member.members.iter().for_each(|inner| opaque_in(inner, &path, paths));

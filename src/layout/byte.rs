@@ -5,9 +5,8 @@
 
 use std::sync::Arc;
 
-use super::padding::{
-    Gap, PaddingKind, PaddingOwner, element_size, fixed, gaps, matrix_vector, own_size, reach,
-};
+use super::measure::{element_size, fixed, matrix_vector, own_size, reach};
+use super::padding::{Gap, PaddingKind, PaddingOwner, gaps};
 use super::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Scalar, Type};
 

@@ -7,6 +7,7 @@ pub mod byte;
 #[cfg(test)]
 pub(crate) mod examples;
 pub mod explain;
+pub(crate) mod measure;
 pub mod padding;
 pub mod path;
 pub mod rules;

@@ -41,7 +41,7 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Ok(if shader.has_errors() { Outcome::CouldNot } else { Outcome::Clean })
         }
         Err(found) => {
-            report(&[*found], &shader.files);
+            report(&[found], &shader.files);
             Ok(Outcome::CouldNot)
         }
     }
@@ -57,11 +57,11 @@ fn human(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)], streams: &St
 fn answers<'a>(
     shader: &'a ShaderLayout,
     args: &ExplainArgs,
-) -> Result<Vec<(&'a BlockLayout, Answer)>, Box<Diagnostic>> {
+) -> Result<Vec<(&'a BlockLayout, Answer)>, Diagnostic> {
     let named = |block: &&BlockLayout| args.block.as_ref().is_none_or(|name| is_named(block, name));
     let blocks: Vec<&BlockLayout> = shader.blocks.iter().filter(named).collect();
     if blocks.is_empty() {
-        return Err(no_block(shader, args).into());
+        return Err(no_block(shader, args));
     }
     match args.place.strip_prefix('@') {
         Some(byte) => of_byte(shader, &blocks, byte),
@@ -73,7 +73,7 @@ fn of_byte<'a>(
     shader: &ShaderLayout,
     blocks: &[&'a BlockLayout],
     text: &str,
-) -> Result<Vec<(&'a BlockLayout, Answer)>, Box<Diagnostic>> {
+) -> Result<Vec<(&'a BlockLayout, Answer)>, Diagnostic> {
     let parsed = match text.strip_prefix("0x") {
         Some(digits) => u64::from_str_radix(digits, 16),
         None => text.parse(),
@@ -81,7 +81,7 @@ fn of_byte<'a>(
     let Ok(byte) = parsed else {
         let help = "a byte is written `@172` or `@0xac`".to_string();
         let message = format!("`@{text}` is no byte");
-        return Err(finding(shader, "malformed-path", message, Some(help)).into());
+        return Err(finding(shader, "malformed-path", message, Some(help)));
     };
     let owners: Vec<(&BlockLayout, ByteOwner)> =
         blocks.iter().map(|block| (*block, owner_of_byte(block, byte))).collect();
@@ -90,7 +90,7 @@ fn of_byte<'a>(
         ByteOwner::Beyond { .. } | ByteOwner::Loose => false,
     };
     if !owners.iter().any(|(_, owner)| inside(owner)) {
-        return Err(outside(shader, byte, &owners).into());
+        return Err(outside(shader, byte, &owners));
     }
     let inside = owners.into_iter().filter(|(_, owner)| inside(owner));
     Ok(inside.map(|(block, owner)| (block, Answer::Byte(byte, owner))).collect())
@@ -118,7 +118,7 @@ fn of_path<'a>(
     shader: &ShaderLayout,
     blocks: &[&'a BlockLayout],
     path: &str,
-) -> Result<Vec<(&'a BlockLayout, Answer)>, Box<Diagnostic>> {
+) -> Result<Vec<(&'a BlockLayout, Answer)>, Diagnostic> {
     let mut found = Vec::new();
     let mut furthest: Option<PathError> = None;
     for &block in blocks {
@@ -134,7 +134,7 @@ fn of_path<'a>(
     match furthest {
         Some(error) if found.is_empty() => {
             let (code, message) = (error.kind.code(), error.kind.to_string());
-            Err(finding(shader, code, message, error.kind.help()).into())
+            Err(finding(shader, code, message, error.kind.help()))
         }
         _ => Ok(found),
     }

@@ -127,7 +127,7 @@ mod tests {
             for t in [1, 2, 7] {
                 let mut seen = Vec::new();
                 let slow = |i: usize| {
-                    if i % 3 == 0 {
+                    if i.is_multiple_of(3) {
                         thread::sleep(std::time::Duration::from_micros(200));
                     }
                     i
