@@ -71,6 +71,12 @@ struct Done {
     others: Vec<String>,
 }
 
+impl work::Weighed for Done {
+    fn bytes(&self) -> usize {
+        self.findings.len() + self.product.as_ref().map_or(0, String::len)
+    }
+}
+
 impl Job<'_> {
     fn one(&self, input: Result<Input, Error>) -> Done {
         let input = match input {

@@ -8,7 +8,7 @@ use serde_json::ser::{CharEscape, CompactFormatter, Formatter, Serializer};
 
 /// A value as JSON whose arrays of objects take a line for each, indented from `depth`.
 pub(crate) fn to_lines<T: Serialize>(value: &T, depth: usize) -> String {
-    let mut text = Vec::new();
+    let mut text = Vec::with_capacity(1 << 13);
     let lines = Lines { depth, ..Lines::default() };
     value
         .serialize(&mut Serializer::with_formatter(&mut text, lines))
