@@ -61,14 +61,27 @@ pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
     let mut diagnostics = parsed.diagnostics;
     let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
     for mut block in parsed.shape.blocks {
+        if source.language == Language::Wgsl {
+            let found = layout::attributes::check(&block);
+            if !found.is_empty() {
+                extend_once(&mut diagnostics, found);
+                continue;
+            }
+        }
         if let Some(rules) = options.rules {
             block.rules = rules;
             block.rules_declared = true;
         }
         match layout::lay_out(&block) {
-            Ok(layout) => blocks.push(layout),
+            Ok(layout) => {
+                extend_once(&mut diagnostics, layout::uniform_constraints::check(&block));
+                blocks.push(layout);
+            }
             Err(mut found) => diagnostics.append(&mut found),
         }
+    }
+    if options.naga {
+        parse::naga::ask(source, &parsed.bodies, &mut blocks);
     }
     ShaderLayout {
         path: source.path.clone(),
@@ -78,5 +91,14 @@ pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
         overrides: parsed.shape.overrides,
         files: parsed.files,
         diagnostics,
+    }
+}
+
+/// Two blocks of one structure have the same things said about it.
+fn extend_once(diagnostics: &mut Vec<Diagnostic>, found: Vec<Diagnostic>) {
+    for diagnostic in found {
+        if !diagnostics.contains(&diagnostic) {
+            diagnostics.push(diagnostic);
+        }
     }
 }

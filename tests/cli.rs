@@ -336,6 +336,33 @@ fn explain_says_why_a_path_leads_nowhere() {
 }
 
 #[test]
+fn wgsl_is_listed_and_explained_in_its_own_words() {
+    let place = Place::new("wgsl");
+    let text = "struct Light { pos: vec3<f32>, @size(16) k: f32 }
+struct Lights { n: u32, all: array<Light> }
+@group(0) @binding(1) var<storage> lights: Lights;
+@group(0) @binding(2) var<uniform> turn: mat3x3<f32>;
+";
+    place.write("a.wgsl", text);
+    let listing = place.run(&["layout", "a.wgsl", "-f", "listing"]).out;
+    for line in [
+        "/* offset( 0) align(16) size(12) */     pos : vec3<f32>,\n",
+        "/* offset(12) align( 4) size(16) */     k : f32,\n",
+        "/* offset(16)           size(12) */     // -- tail padding of k\n",
+        "@group(0) @binding(1) var<storage> lights : Lights;\n",
+        "@group(0) @binding(2) var<uniform> turn : mat3x3<f32>;\n",
+    ] {
+        assert!(listing.contains(line), "{line}\n{listing}");
+    }
+    let ran = place.run(&["explain", "a.wgsl", "lights.all[2].k"]);
+    assert!(ran.out.contains("WGSL §14.4.3: "), "{}", ran.out);
+    assert!(ran.out.contains("size 4, raised to 16 in the text"), "{}", ran.out);
+    assert!(ran.out.contains("all[2].k: bytes 92 to 107, 16 bytes"), "{}", ran.out);
+    let ran = place.run(&["explain", "a.wgsl", "@34", "-b", "lights"]);
+    assert!(ran.out.contains("padding: tail padding of member all[0].k"), "{}", ran.out);
+}
+
+#[test]
 fn wrong_usage_is_2_and_help_is_0() {
     let place = Place::new("usage");
     for arguments in [

@@ -375,7 +375,7 @@ layout(std140) uniform G { float a; float a; };";
             "array-size 1:48",
             "array-size 3:36",
             "unknown-type 3:40",
-            "recursive-structure 4:21",
+            "recursive-struct 4:21",
             "opaque-in-block 7:38",
             "duplicate-name 8:43",
         ]

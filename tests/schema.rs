@@ -43,6 +43,16 @@ uniform sampler2D picture;
 void main() {}
 ";
 
+const EVERYTHING_IN_WGSL: &str = "override count: u32 = 3;
+struct Inner { @align(16) a: u32 }
+struct Light { pos: vec3<f32>, @size(32) tint: vec3<f32>, turn: mat3x3<f32>, in: Inner }
+struct Lights { n: atomic<u32>, all: array<Light> }
+@group(0) @binding(1) var<storage, read_write> lights: Lights;
+@group(0) @binding(2) var<storage> raw: array<vec3<f32>>;
+struct View { view: mat4x4<f32>, eye: vec3<f32> }
+@group(0) @binding(0) var<uniform> view: View;
+";
+
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("schema-{name}"));
     let _ = std::fs::remove_dir_all(&folder);
@@ -57,6 +67,7 @@ fn layouts_keep_to_their_schema() {
     std::fs::write(&file, EVERYTHING).unwrap();
     std::fs::write(folder.join("loose.frag"), "uniform vec3 a[2]; uniform sampler2D s;").unwrap();
     std::fs::write(folder.join("nothing.vert"), "#version 330\nvoid main() {}\n").unwrap();
+    std::fs::write(folder.join("everything.wgsl"), EVERYTHING_IN_WGSL).unwrap();
     let validator = validator("layout");
     let folder = folder.display().to_string();
     for more in

@@ -183,7 +183,10 @@ impl Table<'_> {
         self.rows.push(row);
         let inner = Scope { base, depth: scope.depth + 1, strides: &strides };
         for tail in member.offset.map(|_| tails(member, self.rules)).unwrap_or_default() {
-            let words = words::padding(PaddingKind::Tail, tail.owner, None);
+            let words = match tail.owner {
+                PaddingOwner::Member => format!("tail padding of {}", member.name),
+                owner => words::padding(PaddingKind::Tail, owner, None),
+            };
             let strides = match tail.owner {
                 PaddingOwner::Member => scope.strides,
                 _ => inner.strides,

@@ -3,6 +3,7 @@
 //! Reads [`shape`](crate::shape), applies [`rules`]; everything that prints,
 //! checks or fills a block reads only this.
 
+pub mod attributes;
 pub mod byte;
 #[cfg(test)]
 pub(crate) mod examples;
@@ -11,6 +12,7 @@ pub(crate) mod measure;
 pub mod padding;
 pub mod path;
 pub mod rules;
+pub mod uniform_constraints;
 
 use std::sync::Arc;
 

@@ -2,6 +2,8 @@
 
 pub(crate) mod constant;
 mod glsl;
+pub(crate) mod naga;
+mod wgsl;
 
 use crate::diagnostic::Diagnostic;
 use crate::shape::Shape;
@@ -24,7 +26,7 @@ pub struct Parsed {
 pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     match source.language {
         Language::Glsl => glsl::read(source, options, gather),
-        Language::Wgsl => Parsed::default(),
+        Language::Wgsl => wgsl::read(source, options),
     }
 }
 

@@ -50,7 +50,7 @@ impl<'a> Reader<'a> {
         let unread = self.preprocessor.diagnostics.len() > errors;
         if read.members.is_empty() && read.problems.is_empty() && !unread {
             let message = format!("block `{}` has no members", name.text);
-            read.problems.push(self.diagnostic(&name, "empty-structure", message));
+            read.problems.push(self.diagnostic(&name, "empty-struct", message));
         }
         if let Some(id) = qualifiers.find("align") {
             // GLSL 4.60 §4.4.5: `align` on a block is as if on each member without its own.
@@ -85,7 +85,16 @@ impl<'a> Reader<'a> {
         let defaults =
             if qualifiers.uniform { self.uniform_defaults } else { self.buffer_defaults };
         let own = own_defaults(qualifiers);
-        let (rules, rules_declared) = self.rules(own.rules.or(defaults.rules), space);
+        let written = match space {
+            AddressSpace::Uniform
+            | AddressSpace::Storage
+            | AddressSpace::BufferReference
+            | AddressSpace::Default => own.rules.or(defaults.rules),
+            // GL_KHR_vulkan_glsl, GL_EXT_ray_tracing: std430 unless the block itself says
+            // otherwise; the default of `uniform` or `buffer` is not theirs.
+            AddressSpace::PushConstant | AddressSpace::ShaderRecord => own.rules,
+        };
+        let (rules, rules_declared) = self.rules(written, space);
         self.blocks.push(Block {
             name: name.text.into(),
             instance,

@@ -79,7 +79,7 @@ impl<'a> Reader<'a> {
         }
         if read.members.is_empty() && read.opaque.is_empty() && read.problems.is_empty() {
             let message = "a structure has at least one member";
-            read.problems.push(self.diagnostic(&name, "empty-structure", message));
+            read.problems.push(self.diagnostic(&name, "empty-struct", message));
         }
         let named = if read.problems.is_empty() {
             let text = if anonymous { "" } else { name.text };
@@ -376,7 +376,7 @@ impl<'a> Reader<'a> {
         }
         let diagnostic = if token.text == owner.text {
             let message = format!("structure `{}` contains itself", token.text);
-            self.diagnostic(&token, "recursive-structure", message)
+            self.diagnostic(&token, "recursive-struct", message)
                 .with_note("its size would have no end")
         } else {
             let message = format!("there is no type `{}`", token.text);

@@ -1,0 +1,57 @@
+//! What landfall itself says, in the table the oracles answer with.
+
+use ::landfall::{ArrayLen, BlockLayout, Language, Leaf, Options, Rules, Source, Target, layout};
+
+use super::leaf::{OracleBlock, OracleLeaf};
+
+/// The blocks of a GLSL text, read as OpenGL's or Vulkan's.
+///
+/// # Panics
+/// Landfall refuses the text: what is asked about is legal.
+pub fn glsl_blocks(text: &str, target: Target) -> Vec<OracleBlock> {
+    let mut options = Options::default();
+    options.read.target = Some(target);
+    blocks(&Source::new("blocks.comp", text), &options)
+}
+
+/// The blocks of a WGSL text.
+///
+/// # Panics
+/// Landfall refuses the text.
+pub fn wgsl_blocks(text: &str) -> Vec<OracleBlock> {
+    blocks(&Source::new("blocks.wgsl", text), &Options::default())
+}
+
+fn blocks(source: &Source, options: &Options) -> Vec<OracleBlock> {
+    let shader = layout(source, options);
+    assert!(!shader.has_errors(), "{:#?}\n{}", shader.diagnostics, source.text);
+    shader.blocks.iter().map(|block| of_block(block, shader.language)).collect()
+}
+
+fn of_block(block: &BlockLayout, language: Language) -> OracleBlock {
+    let leaf = |leaf: &Leaf| OracleLeaf {
+        path: leaf.path.clone(),
+        ty: leaf.ty.spelled(language).to_string(),
+        offset: leaf.offset.expect("a block that is no set of loose uniforms has offsets"),
+        dims: leaf.dims.iter().map(len).collect(),
+        strides: leaf.strides.iter().copied().map(Some).collect(),
+        matrix_stride: leaf.matrix_stride,
+        row_major: leaf.row_major,
+    };
+    OracleBlock {
+        name: block.name.to_string(),
+        count: block.count.iter().map(len).collect(),
+        // Mesa rounds std430 blocks up to 16 as well, which no rule asks for; landfall rounds
+        // them up to their own alignment. The end of the last member is compared all the same.
+        size: block.size.filter(|_| matches!(block.rules, Rules::Std140 | Rules::Wgsl)),
+        data_size: block.data_size,
+        leaves: block.leaves.iter().map(leaf).collect(),
+    }
+}
+
+fn len(len: &ArrayLen) -> Option<u64> {
+    match len {
+        ArrayLen::Fixed(n) => Some((*n).into()),
+        ArrayLen::Runtime | ArrayLen::Override(_) => None,
+    }
+}

@@ -1,0 +1,27 @@
+//! What every number is held against: oracles that share no code with the
+//! crate, and the blocks they are asked about.
+//!
+//! `generate` and `pairs` make blocks, `blocks` prints them as GLSL, `glslang` and
+//! `driver` each answer with the neutral table of `leaf`, and `known` lists
+//! where those two answer differently and which one the specification backs.
+//! `wgsl` does the same for WGSL, with encase as the oracle and `naga_wgsl`
+//! for a second opinion on it.
+//!
+//! A missing oracle fails the test that needs it and names the Debian package.
+
+#![allow(dead_code, reason = "each test binary uses its own part of the harness")]
+
+pub mod blocks;
+pub mod driver;
+pub mod fold;
+pub mod generate;
+pub mod gl_types;
+pub mod glslang;
+pub mod known;
+pub mod landfall;
+pub mod leaf;
+pub mod naga_wgsl;
+pub mod pairs;
+pub mod run;
+pub mod spirv;
+pub mod wgsl;
