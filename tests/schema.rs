@@ -85,6 +85,15 @@ fn layouts_keep_to_their_schema() {
 }
 
 #[test]
+fn the_shaders_of_the_repository_keep_to_it_too() {
+    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").display().to_string();
+    let output = landfall(&["layout", &shaders, "--format", "json", "--expand"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    holds(&validator("layout"), &text, "shaders");
+}
+
+#[test]
 fn explanations_keep_to_their_schema() {
     let folder = folder("explain");
     let file = folder.join("everything.frag");
