@@ -1,6 +1,6 @@
 //! Declared types with no byte in them: what a shader's text says a block holds.
 //!
-//! Made by [`parse`](crate::parse()), read by [`layout`](crate::layout()).
+//! Made by [`parse`](mod@crate::parse), read by [`layout`](crate::layout()).
 
 use std::fmt;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! A shader's text as the user has it: path, language, stage, and the map from
 //! a byte back to file, line and column.
 //!
-//! Feeds [`parse`](crate::parse()). Nothing here looks inside the text.
+//! Feeds [`parse`](mod@crate::parse). Nothing here looks inside the text.
 
 use std::fs;
 use std::path::{Path, PathBuf};

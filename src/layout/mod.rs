@@ -4,6 +4,13 @@
 //! checks or fills a block reads only this.
 
 pub mod attributes;
+pub mod byte;
+#[cfg(test)]
+pub(crate) mod examples;
+pub mod explain;
+pub(crate) mod measure;
+pub mod padding;
+pub mod path;
 pub mod rules;
 pub mod uniform_constraints;
 

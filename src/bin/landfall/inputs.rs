@@ -1,0 +1,196 @@
+//! Which files a run is about: files as they are named, the shaders in directories, and what
+//! globs match, one after the other without a list of them all.
+
+use std::collections::HashSet;
+use std::path::{Component, Path, PathBuf};
+
+use globset::{GlobBuilder, GlobMatcher};
+use ignore::{Walk, WalkBuilder};
+use landfall::{Error, source};
+
+use crate::read::is_stdin;
+
+/// One shader to read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// Where it is; `-` for stdin.
+    pub path: PathBuf,
+    /// Where its layout goes below `--out`, without the format's extension.
+    pub relative: PathBuf,
+}
+
+/// The files named by the arguments of a command line, in their order; those of a directory by
+/// name; each once.
+pub struct Inputs {
+    arguments: std::vec::IntoIter<PathBuf>,
+    walk: Option<Search>,
+    seen: Option<HashSet<PathBuf>>,
+}
+
+/// A directory being searched.
+struct Search {
+    root: PathBuf,
+    /// What was written on the command line.
+    argument: PathBuf,
+    walk: Walk,
+    glob: Option<GlobMatcher>,
+    found: bool,
+}
+
+impl Inputs {
+    pub fn new(arguments: Vec<PathBuf>) -> Inputs {
+        // One argument names no file twice.
+        let seen = (arguments.len() > 1).then(HashSet::new);
+        Inputs { arguments: arguments.into_iter(), walk: None, seen }
+    }
+
+    fn is_new(&mut self, path: &Path) -> bool {
+        let Some(seen) = &mut self.seen else { return true };
+        seen.insert(path.components().filter(|c| *c != Component::CurDir).collect())
+    }
+
+    fn named(&mut self, argument: PathBuf) -> Option<Result<Input, Error>> {
+        if is_stdin(&argument) {
+            return Some(Ok(Input { path: argument, relative: PathBuf::from("stdin") }));
+        }
+        if argument.is_dir() {
+            self.walk = Some(Search::directory(argument));
+            return None;
+        }
+        let is_glob = argument.to_str().is_some_and(|text| text.contains(['*', '?', '[', '{']));
+        if is_glob && !argument.exists() {
+            return match Search::glob(&argument) {
+                Ok(search) => {
+                    self.walk = Some(search);
+                    None
+                }
+                Err(error) => Some(Err(error)),
+            };
+        }
+        let relative = inside(&argument);
+        self.is_new(&argument).then_some(Ok(Input { path: argument, relative }))
+    }
+}
+
+impl Iterator for Inputs {
+    type Item = Result<Input, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(search) = &mut self.walk {
+                match search.next() {
+                    Some(Ok(input)) if !self.is_new(&input.path) => continue,
+                    Some(found) => return Some(found),
+                    None => {
+                        let nothing = self.walk.take().and_then(Search::found_nothing);
+                        if nothing.is_some() {
+                            return nothing.map(Err);
+                        }
+                    }
+                }
+            }
+            let argument = self.arguments.next()?;
+            if let Some(input) = self.named(argument) {
+                return Some(input);
+            }
+        }
+    }
+}
+
+impl Search {
+    fn directory(root: PathBuf) -> Search {
+        let walk = WalkBuilder::new(&root).sort_by_file_name(|a, b| a.cmp(b)).build();
+        Search { argument: root.clone(), root, walk, glob: None, found: false }
+    }
+
+    /// A glob as a shell would expand it: ignore files do not matter.
+    fn glob(argument: &Path) -> Result<Search, Error> {
+        let text = argument.to_string_lossy();
+        let refused = |cause: globset::Error| {
+            Error::new(text.to_string(), format!("is no glob: {}", cause.kind()))
+        };
+        let pattern = text.strip_prefix("./").unwrap_or(&text);
+        let glob = GlobBuilder::new(pattern).literal_separator(true).build().map_err(refused)?;
+        let matcher = glob.compile_matcher();
+        let fixed = argument
+            .components()
+            .take_while(|part| !part.as_os_str().to_string_lossy().contains(['*', '?', '[', '{']));
+        let mut root: PathBuf = fixed.collect();
+        if root.as_os_str().is_empty() {
+            root.push(".");
+        }
+        let walk = WalkBuilder::new(&root)
+            .standard_filters(false)
+            .hidden(true)
+            .sort_by_file_name(|a, b| a.cmp(b))
+            .build();
+        Ok(Search {
+            root,
+            argument: argument.to_path_buf(),
+            walk,
+            glob: Some(matcher),
+            found: false,
+        })
+    }
+
+    fn next(&mut self) -> Option<Result<Input, Error>> {
+        while let Some(entry) = self.walk.next() {
+            let entry = match entry {
+                Ok(entry) => entry,
+                Err(cause) => {
+                    // Said about the directory it happened in.
+                    self.found = true;
+                    let root = self.root.display().to_string();
+                    return Some(Err(Error::new(root, format!("cannot be searched: {cause}"))));
+                }
+            };
+            if entry.file_type().is_none_or(|kind| kind.is_dir()) {
+                continue;
+            }
+            let path = entry.into_path();
+            let path = path.strip_prefix("./").map(Path::to_path_buf).unwrap_or(path);
+            if !self.takes(&path) {
+                continue;
+            }
+            self.found = true;
+            let relative = match &self.glob {
+                Some(_) => inside(&path),
+                None => inside(path.strip_prefix(&self.root).unwrap_or(&path)),
+            };
+            return Some(Ok(Input { path, relative }));
+        }
+        None
+    }
+
+    /// Whether a file is a shader; a glob that says the extension takes what it matches.
+    fn takes(&self, path: &Path) -> bool {
+        let known = source::kind_of_path(path).is_some();
+        match &self.glob {
+            Some(glob) => glob.is_match(path) && (known || !ends_with_star(&self.argument)),
+            None => known,
+        }
+    }
+
+    fn found_nothing(self) -> Option<Error> {
+        if self.found {
+            return None;
+        }
+        let path = self.argument.display().to_string();
+        Some(match self.glob {
+            Some(_) => Error::new(path, "matches no shader file"),
+            None => Error::new(path, "holds no shader file").with_help(
+                "shaders are known by their extension, such as .frag, .glsl or .wgsl; \
+                 a file named by itself is read whatever its extension",
+            ),
+        })
+    }
+}
+
+fn ends_with_star(glob: &Path) -> bool {
+    glob.as_os_str().to_string_lossy().ends_with('*')
+}
+
+/// A path that stays below the directory it is joined to.
+fn inside(path: &Path) -> PathBuf {
+    path.components().filter(|part| matches!(part, Component::Normal(_))).collect()
+}

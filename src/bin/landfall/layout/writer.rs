@@ -1,0 +1,165 @@
+//! The layouts of a run in order: one document on stdout, or a file a shader below `--out`.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use landfall::emit::{self, EmitOptions};
+use landfall::source::Files;
+use landfall::{Diagnostic, Error, Severity};
+
+use super::Done;
+use crate::args::LayoutArgs;
+use crate::output::{Failure, FindingStyle, Outcome, Streams, write_file};
+
+/// Progress is shown when a run takes longer than this, and as often.
+const PROGRESS: Duration = Duration::from_millis(500);
+
+/// Names listed when `--block` finds nothing.
+const NAMES: usize = 8;
+
+pub struct Writer<'a> {
+    args: &'a LayoutArgs,
+    emit: &'a EmitOptions,
+    style: FindingStyle,
+    streams: &'a Streams,
+    /// Shaders read, and shaders written.
+    shaders: usize,
+    written: usize,
+    /// Files written below `--out`, with the shader each is about.
+    targets: HashMap<PathBuf, PathBuf>,
+    /// The path of the last shader, for the message when there was one and it is empty.
+    last: PathBuf,
+    others: Vec<String>,
+    outcome: Outcome,
+    progress: Option<Instant>,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(
+        args: &'a LayoutArgs,
+        emit: &'a EmitOptions,
+        style: FindingStyle,
+        streams: &'a Streams,
+    ) -> Writer<'a> {
+        Writer {
+            args,
+            emit,
+            style,
+            streams,
+            shaders: 0,
+            written: 0,
+            targets: HashMap::new(),
+            last: PathBuf::new(),
+            others: Vec::new(),
+            outcome: Outcome::Clean,
+            progress: streams.shows_progress().then(Instant::now),
+        }
+    }
+
+    /// Takes the next shader's layouts.
+    pub fn take(&mut self, done: Done) -> Result<(), Failure> {
+        self.shaders += 1;
+        if done.failed {
+            self.outcome = Outcome::CouldNot;
+        }
+        self.streams.report(&done.findings);
+        let room = NAMES.saturating_sub(self.others.len());
+        for name in done.others.into_iter().take(room) {
+            if !self.others.contains(&name) {
+                self.others.push(name);
+            }
+        }
+        match (&done.product, &self.args.out) {
+            (Some(text), None) => self.print(text)?,
+            (Some(text), Some(_)) => self.write(text, &done.relative, &done.path)?,
+            (None, _) => {}
+        }
+        self.last = done.path;
+        self.show_progress();
+        Ok(())
+    }
+
+    fn print(&mut self, text: &str) -> Result<(), Failure> {
+        match self.written {
+            0 => self.streams.product(&emit::opening(self.emit))?,
+            _ => self.streams.product(emit::between(self.emit))?,
+        }
+        self.written += 1;
+        self.streams.product(text)
+    }
+
+    fn write(&mut self, text: &str, relative: &Path, path: &Path) -> Result<(), Failure> {
+        let out = self.args.out.as_deref().expect("only called with --out");
+        let mut target = out.join(relative).into_os_string();
+        target.push(".");
+        target.push(self.emit.format.extension());
+        let target = PathBuf::from(target);
+        if let Some(other) = self.targets.get(&target) {
+            let message = format!(
+                "would be written twice: for `{}` and `{}`",
+                other.display(),
+                path.display()
+            );
+            return Err(Error::new(target.display().to_string(), message)
+                .with_help("write the layouts of each directory to a directory of its own")
+                .into());
+        }
+        write_file(&target, text)?;
+        self.targets.insert(target, path.to_path_buf());
+        self.written += 1;
+        Ok(())
+    }
+
+    fn show_progress(&mut self) {
+        if let Some(since) = &mut self.progress {
+            if since.elapsed() >= PROGRESS {
+                *since = Instant::now();
+                self.streams.progress(&format!("{} shaders laid out", self.shaders));
+            }
+        }
+    }
+
+    /// Ends the document and says what is missing.
+    pub fn finish(self) -> Result<Outcome, Failure> {
+        if self.args.out.is_none() {
+            if self.written == 0 {
+                self.streams.product(&emit::opening(self.emit))?;
+            }
+            self.streams.product(emit::closing(self.emit, self.written))?;
+        }
+        if self.written > 0 || self.outcome == Outcome::CouldNot {
+            return Ok(self.outcome);
+        }
+        let (found, outcome) = match &self.args.block {
+            Some(name) => (self.no_such_block(name), Outcome::CouldNot),
+            None => (self.no_blocks(), Outcome::Clean),
+        };
+        self.streams.report(&self.style.text(&[found], &Files::default()));
+        Ok(outcome)
+    }
+
+    fn no_such_block(&self, name: &str) -> Diagnostic {
+        let message = format!("no block named `{name}` {}", self.among());
+        let help =
+            (!self.others.is_empty()).then(|| format!("there is `{}`", self.others.join("`, `")));
+        Diagnostic { help, ..about_run("unknown-block", Severity::Error, message) }
+    }
+
+    fn no_blocks(&self) -> Diagnostic {
+        let message = format!("no blocks and no loose uniforms {}", self.among());
+        about_run("no-blocks", Severity::Warning, message)
+    }
+
+    fn among(&self) -> String {
+        match self.shaders {
+            1 => format!("in `{}`", self.last.display()),
+            n => format!("in {n} shaders"),
+        }
+    }
+}
+
+/// A finding about the run as a whole.
+fn about_run(code: &'static str, severity: Severity, message: String) -> Diagnostic {
+    Diagnostic { code, severity, message, path: None, labels: vec![], notes: vec![], help: None }
+}

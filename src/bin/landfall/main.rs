@@ -1,0 +1,38 @@
+//! The command line: arguments in, one command run, an exit code out.
+//!
+//! 0 is clean, 2 is "could not": wrong usage, a file that cannot be read or
+//! written, an error in a shader. Products go to stdout, findings to stderr.
+
+mod args;
+mod explain;
+mod inputs;
+mod layout;
+mod output;
+mod read;
+mod schema;
+mod work;
+
+use std::process::ExitCode;
+
+use args::{Args, Command};
+use clap::Parser;
+use output::{Failure, Streams};
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let streams = Streams::new(args.color, args.quiet);
+    let done = match &args.command {
+        Command::Layout(args) => layout::run(args, &streams),
+        Command::Explain(args) => explain::run(args, &streams),
+        Command::Schema(args) => schema::run(args, &streams),
+    };
+    match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
+        Ok(outcome) => outcome.into(),
+        // Whoever read the output has seen enough.
+        Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
+        Err(Failure::Error(error)) => {
+            streams.failure(error);
+            output::Outcome::CouldNot.into()
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Where text goes: products to stdout, findings and progress to stderr, files whole or not at all.
+
+use std::cell::RefCell;
+use std::fs;
+use std::io::{self, BufWriter, IsTerminal, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use anstream::{AutoStream, ColorChoice};
+use landfall::emit::{self, Paint};
+use landfall::source::Files;
+use landfall::{Diagnostic, Error, Severity};
+
+use crate::args::Color;
+
+/// What a command came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    Clean,
+    CouldNot,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> ExitCode {
+        match outcome {
+            Outcome::Clean => ExitCode::SUCCESS,
+            Outcome::CouldNot => ExitCode::from(2),
+        }
+    }
+}
+
+/// Why a command stopped half-way.
+#[derive(Debug)]
+pub enum Failure {
+    /// Nobody reads stdout any more.
+    BrokenPipe,
+    Error(Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        Failure::Error(error)
+    }
+}
+
+/// How findings are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FindingForm {
+    Human,
+    Json,
+}
+
+/// How findings are turned into text; knows no stream, so any thread may use it.
+#[derive(Clone, Copy, Debug)]
+pub struct FindingStyle {
+    form: FindingForm,
+    paint: Paint,
+    quiet: bool,
+}
+
+impl FindingStyle {
+    /// The findings of one shader as text, warnings left out when quiet.
+    pub fn text(&self, found: &[Diagnostic], files: &Files) -> String {
+        let kept: Vec<Diagnostic>;
+        let found = if self.quiet {
+            kept = found.iter().filter(|d| d.severity == Severity::Error).cloned().collect();
+            &kept
+        } else {
+            found
+        };
+        match self.form {
+            FindingForm::Human => emit::diagnostics::human(found, files, self.paint),
+            FindingForm::Json => emit::diagnostics::json(found, files),
+        }
+    }
+}
+
+/// The two streams of the process.
+pub struct Streams {
+    stdout: RefCell<BufWriter<Box<dyn Write>>>,
+    /// Whether products for the eye carry colours.
+    pub paint: Paint,
+    /// Whether findings do.
+    finding_paint: Paint,
+    quiet: bool,
+    /// Whether stderr's last line is progress, to be wiped before anything else is written.
+    progress: RefCell<bool>,
+}
+
+impl Streams {
+    pub fn new(color: Color, quiet: bool) -> Streams {
+        let choice = match color {
+            Color::Auto => ColorChoice::Auto,
+            Color::Always => ColorChoice::Always,
+            Color::Never => ColorChoice::Never,
+        };
+        choice.write_global();
+        let paint = |choice: ColorChoice| match choice {
+            ColorChoice::Never => Paint::Plain,
+            ColorChoice::Auto | ColorChoice::Always | ColorChoice::AlwaysAnsi => Paint::Ansi,
+        };
+        let stdout = io::stdout();
+        let (to_stdout, to_stderr) =
+            (AutoStream::choice(&stdout), AutoStream::choice(&io::stderr()));
+        let stdout: Box<dyn Write> = match paint(to_stdout) {
+            // Plain text needs no filter.
+            Paint::Plain => Box::new(stdout),
+            Paint::Ansi => Box::new(AutoStream::new(stdout, to_stdout)),
+        };
+        Streams {
+            stdout: RefCell::new(BufWriter::with_capacity(1 << 16, stdout)),
+            paint: paint(to_stdout),
+            finding_paint: paint(to_stderr),
+            quiet,
+            progress: RefCell::new(false),
+        }
+    }
+
+    /// Writes a product to stdout.
+    pub fn product(&self, text: &str) -> Result<(), Failure> {
+        self.stdout.borrow_mut().write_all(text.as_bytes()).map_err(|cause| stdout_failure(&cause))
+    }
+
+    /// Sees to it that all of the product has gone out.
+    pub fn finish(&self) -> Result<(), Failure> {
+        self.wipe_progress();
+        self.stdout.borrow_mut().flush().map_err(|cause| stdout_failure(&cause))
+    }
+
+    /// How findings are turned into text.
+    pub fn style(&self, form: FindingForm) -> FindingStyle {
+        FindingStyle { form, paint: self.finding_paint, quiet: self.quiet }
+    }
+
+    /// Writes findings to stderr. Nobody can be told when that fails.
+    pub fn report(&self, text: &str) {
+        if !text.is_empty() {
+            self.wipe_progress();
+            let _ = anstream::stderr().write_all(text.as_bytes());
+        }
+    }
+
+    /// Writes why the whole run stopped.
+    pub fn failure(&self, error: Error) {
+        let found = Diagnostic { code: "output", ..error.into() };
+        self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
+    }
+
+    /// Whether anybody would see progress.
+    pub fn shows_progress(&self) -> bool {
+        !self.quiet && io::stderr().is_terminal() && !io::stdout().is_terminal()
+    }
+
+    /// Writes a line of progress over the last one.
+    pub fn progress(&self, text: &str) {
+        *self.progress.borrow_mut() = true;
+        let _ = write!(io::stderr(), "\r{text}\x1b[K");
+    }
+
+    fn wipe_progress(&self) {
+        if self.progress.replace(false) {
+            let _ = write!(io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+fn stdout_failure(cause: &io::Error) -> Failure {
+    if cause.kind() == io::ErrorKind::BrokenPipe {
+        return Failure::BrokenPipe;
+    }
+    Failure::Error(Error::new("<stdout>", format!("cannot be written: {}", reason(cause))))
+}
+
+/// The reason of a failure in the words of the operating system, without its number.
+fn reason(cause: &io::Error) -> String {
+    let text = cause.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+}
+
+/// Writes a file whole or not at all, and not when it already holds that text.
+pub fn write_file(path: &Path, text: &str) -> Result<(), Error> {
+    if fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
+        return Ok(());
+    }
+    let failed = |cause: io::Error| {
+        Error::new(path.display().to_string(), format!("cannot be written: {}", reason(&cause)))
+    };
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    fs::create_dir_all(folder).map_err(|cause| {
+        let message = format!("cannot be made a directory: {}", reason(&cause));
+        Error::new(folder.display().to_string(), message)
+    })?;
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.partial", std::process::id()));
+    let partial = folder.join(name);
+    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, path));
+    written.map_err(|cause| {
+        let _ = fs::remove_file(&partial);
+        failed(cause)
+    })
+}

@@ -1,0 +1,15 @@
+//! `landfall schema`: the JSON Schemas the outputs keep to.
+
+use landfall::emit;
+
+use crate::args::{Schema, SchemaArgs};
+use crate::output::{Failure, Outcome, Streams};
+
+pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    streams.product(match args.of {
+        Schema::Layout => emit::LAYOUT_SCHEMA,
+        Schema::Explain => emit::EXPLAIN_SCHEMA,
+        Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
+    })?;
+    Ok(Outcome::Clean)
+}

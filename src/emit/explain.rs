@@ -1,0 +1,357 @@
+//! An [`Explanation`], and the owner of a byte, as text and as JSON.
+
+use super::SCHEMA_VERSION;
+use super::json::{Tool, to_lines};
+use super::paint::{FAINT, HEADING, Paint, STRONG, TYPE};
+use super::words;
+use crate::layout::BlockLayout;
+use crate::layout::byte::ByteOwner;
+use crate::layout::explain::{Explanation, Step, StepKind};
+use crate::layout::padding::PaddingKind;
+use crate::shape::Rules;
+use crate::source::Language;
+
+/// One block's answer.
+#[derive(Clone, Debug)]
+pub enum Answer {
+    /// To a path.
+    Path(Explanation),
+    /// To a byte offset.
+    Byte(u64, ByteOwner),
+}
+
+/// An answer as people read it.
+pub fn text(block: &BlockLayout, language: Language, answer: &Answer, paint: Paint) -> String {
+    let mut text = paint.text(HEADING, &words::block_name(block));
+    text.push_str(&paint.text(FAINT, " · "));
+    text.push_str(block.rules.name());
+    if !block.rules_declared {
+        text.push_str(" (not declared: the driver's offsets may differ)");
+    }
+    text.push('\n');
+    match answer {
+        Answer::Path(explanation) => path_text(explanation, block.rules, paint, &mut text),
+        Answer::Byte(byte, owner) => {
+            text.push_str(&format!("\n  {}\n", byte_text(*byte, owner, language, paint)));
+        }
+    }
+    text
+}
+
+fn path_text(explanation: &Explanation, rules: Rules, paint: Paint, text: &mut String) {
+    for step in &explanation.steps {
+        let (why, cited) = reason(step, rules);
+        text.push_str(&format!(
+            "\n  {}  {}\n",
+            paint.text(STRONG, &step.path),
+            paint.text(TYPE, &step.ty)
+        ));
+        for line in cited {
+            text.push_str(&format!("      {}\n", paint.text(FAINT, &line)));
+        }
+        for line in why {
+            text.push_str(&format!("      {line}\n"));
+        }
+        text.push_str(&format!("      {}\n", sum(step)));
+    }
+    text.push_str(&format!(
+        "\n  {}: {}\n",
+        paint.text(STRONG, &explanation.path),
+        range(explanation)
+    ));
+}
+
+/// `144 + 16 = 160`.
+fn sum(step: &Step) -> String {
+    format!("{} + {} = {}", step.base, step.adds, step.base + step.adds)
+}
+
+fn range(explanation: &Explanation) -> String {
+    let start = explanation.offset;
+    let mut text = match explanation.size {
+        Some(0) => format!("no bytes at {start}"),
+        Some(1) => format!("byte {start}, 1 byte"),
+        Some(size) => format!("bytes {start} to {}, {size} bytes", start + size - 1),
+        None => format!("from byte {start} to the end of the buffer"),
+    };
+    let strided: Vec<String> = explanation.steps.iter().filter_map(every_element).collect();
+    if !strided.is_empty() {
+        text.push_str(&format!(", then every {} bytes", strided.join(" and every ")));
+    }
+    text
+}
+
+fn every_element(step: &Step) -> Option<String> {
+    match &step.kind {
+        StepKind::Element { index: None, stride, .. } => Some(stride.to_string()),
+        StepKind::Element { .. }
+        | StepKind::Member { .. }
+        | StepKind::Column { .. }
+        | StepKind::ColumnAcrossRows { .. }
+        | StepKind::Component { .. } => None,
+    }
+}
+
+/// What a step adds, in words, and the rules it rests on.
+fn reason(step: &Step, rules: Rules) -> (Vec<String>, Vec<String>) {
+    match &step.kind {
+        StepKind::Member {
+            rule,
+            own_align,
+            align,
+            after,
+            previous_end,
+            written,
+            size,
+            own_size,
+        } => {
+            let cited = vec![format!("{}: {}", rule.cite(rules), rule.text(rules))];
+            let mut why = vec![match align == own_align {
+                true => format!("alignment {align}"),
+                false => format!("alignment {own_align}, raised to {align} in the text"),
+            }];
+            why.push(match (after, written) {
+                (_, true) => format!("the text puts it at offset {}", step.adds),
+                (None, false) => "the first member: starts at 0".to_string(),
+                (Some(after), false) if previous_end == &step.adds => {
+                    format!("`{after}` ends at {previous_end}, a multiple of {align}")
+                }
+                (Some(after), false) => {
+                    format!(
+                        "`{after}` ends at {previous_end}, rounded up to {align}: {}",
+                        step.adds
+                    )
+                }
+            });
+            if let (Some(own), Some(size)) = (own_size, size) {
+                why.push(format!("size {own}, raised to {size} in the text"));
+            }
+            (why, cited)
+        }
+        StepKind::Element { index, len, stride, element_size, align, rule } => {
+            let cited = vec![format!("{}: {}", rule.cite(rules), rule.text(rules))];
+            let mut why = vec![match element_size == stride {
+                true => format!("stride {stride}: an element's size, a multiple of {align}"),
+                false => format!(
+                    "stride {stride}: an element's {element_size} bytes, rounded up to {align}"
+                ),
+            }];
+            let elements = len.map_or_else(|| "any number of".to_string(), |n| n.to_string());
+            why.push(match index {
+                Some(index) => format!("{index} × {stride} = {}", step.adds),
+                None => format!("every one of {elements} elements, the first shown"),
+            });
+            (why, cited)
+        }
+        StepKind::Column { index, stride, column_size } => {
+            let why = vec![
+                format!("matrix stride {stride}: columns of {column_size} bytes"),
+                format!("{index} × {stride} = {}", step.adds),
+            ];
+            (why, vec![])
+        }
+        StepKind::ColumnAcrossRows { index, width, stride } => {
+            let why = vec![
+                format!("stored by rows: a column's components lie {stride} bytes apart"),
+                format!("{index} × {width} = {}", step.adds),
+            ];
+            (why, vec![])
+        }
+        StepKind::Component { index, stride } => {
+            (vec![format!("component {index}: {index} × {stride} = {}", step.adds)], vec![])
+        }
+    }
+}
+
+fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> String {
+    match owner {
+        ByteOwner::Component {
+            leaf, ty, leaf_offset, leaf_size, path, size, byte: nth, ..
+        } => {
+            format!(
+                "byte {byte} is byte {nth} of {size} of {} ({} `{leaf}`, bytes {leaf_offset} to {})",
+                paint.text(STRONG, path),
+                paint.text(TYPE, &ty.spelled(language).to_string()),
+                leaf_offset + leaf_size - 1
+            )
+        }
+        ByteOwner::Padding { kind, owner, path, offset, size, after, before } => {
+            let of = match path.is_empty() {
+                true => format!("the {}", owner.noun()),
+                false => format!("{} {}", owner.noun(), paint.text(STRONG, path)),
+            };
+            let place = match kind {
+                PaddingKind::Hole => "a hole in",
+                PaddingKind::Tail => "tail padding of",
+            };
+            let mut text = format!("byte {byte} is padding: {place} {of}");
+            if let Some(after) = after {
+                text.push_str(&format!(", after `{after}`"));
+            }
+            if let Some(before) = before {
+                text.push_str(&format!(", before `{before}`"));
+            }
+            let end = offset + size - 1;
+            text.push_str(&format!(" (bytes {offset} to {end})"));
+            text
+        }
+        ByteOwner::Beyond { size } => {
+            format!("byte {byte} lies past the end: the block has {}", words::bytes(*size))
+        }
+        ByteOwner::Loose => {
+            "loose uniforms have no bytes: --gather lays them out as a block".to_string()
+        }
+    }
+}
+
+/// All answers of one shader as a JSON document.
+pub fn json(path: &str, language: Language, answers: &[(&BlockLayout, Answer)]) -> String {
+    let document = Document {
+        schema_version: SCHEMA_VERSION,
+        tool: Tool::LANDFALL,
+        path,
+        answers: answers
+            .iter()
+            .map(|(block, answer)| answer_object(block, answer, language))
+            .collect(),
+    };
+    to_lines(&document, 0) + "\n"
+}
+
+#[derive(serde::Serialize)]
+struct Document<'a> {
+    schema_version: u32,
+    tool: Tool,
+    path: &'a str,
+    answers: Vec<AnswerObject<'a>>,
+}
+
+#[derive(serde::Serialize)]
+struct AnswerObject<'a> {
+    block: &'a str,
+    instance: Option<&'a str>,
+    rules: &'static str,
+    rules_declared: bool,
+    #[serde(flatten)]
+    what: What<'a>,
+}
+
+#[derive(serde::Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum What<'a> {
+    Path {
+        path: &'a str,
+        #[serde(rename = "type")]
+        ty: &'a str,
+        offset: u64,
+        size: Option<u64>,
+        steps: Vec<StepObject<'a>>,
+    },
+    Component {
+        byte: u64,
+        path: &'a str,
+        leaf: &'a str,
+        #[serde(rename = "type")]
+        ty: String,
+        offset: u64,
+        size: u64,
+        nth_byte: u64,
+    },
+    Padding {
+        byte: u64,
+        padding: &'static str,
+        owner: &'static str,
+        path: &'a str,
+        offset: u64,
+        size: u64,
+        after: Option<&'a str>,
+        before: Option<&'a str>,
+    },
+    Beyond {
+        byte: u64,
+        block_size: u64,
+    },
+    Loose {
+        byte: u64,
+    },
+}
+
+#[derive(serde::Serialize)]
+struct StepObject<'a> {
+    path: &'a str,
+    #[serde(rename = "type")]
+    ty: &'a str,
+    rule: Option<String>,
+    base: u64,
+    adds: u64,
+    offset: u64,
+    reason: Vec<String>,
+}
+
+fn answer_object<'a>(
+    block: &'a BlockLayout,
+    answer: &'a Answer,
+    language: Language,
+) -> AnswerObject<'a> {
+    let what = match answer {
+        Answer::Path(found) => What::Path {
+            path: &found.path,
+            ty: &found.ty,
+            offset: found.offset,
+            size: found.size,
+            steps: found.steps.iter().map(|step| step_object(step, block.rules)).collect(),
+        },
+        Answer::Byte(byte, owner) => match owner {
+            ByteOwner::Component { leaf, ty, path, offset, size, byte: nth, .. } => {
+                What::Component {
+                    byte: *byte,
+                    path,
+                    leaf,
+                    ty: ty.spelled(language).to_string(),
+                    offset: *offset,
+                    size: *size,
+                    nth_byte: *nth,
+                }
+            }
+            ByteOwner::Padding { kind, owner, path, offset, size, after, before } => {
+                What::Padding {
+                    byte: *byte,
+                    padding: kind.words(),
+                    owner: owner.noun(),
+                    path,
+                    offset: *offset,
+                    size: *size,
+                    after: after.as_deref(),
+                    before: before.as_deref(),
+                }
+            }
+            ByteOwner::Beyond { size } => What::Beyond { byte: *byte, block_size: *size },
+            ByteOwner::Loose => What::Loose { byte: *byte },
+        },
+    };
+    AnswerObject {
+        block: &block.name,
+        instance: block.instance.as_deref(),
+        rules: block.rules.name(),
+        rules_declared: block.rules_declared,
+        what,
+    }
+}
+
+fn step_object(step: &Step, rules: Rules) -> StepObject<'_> {
+    let rule = match &step.kind {
+        StepKind::Member { rule, .. } | StepKind::Element { rule, .. } => Some(rule.cite(rules)),
+        StepKind::Column { .. }
+        | StepKind::ColumnAcrossRows { .. }
+        | StepKind::Component { .. } => None,
+    };
+    StepObject {
+        path: &step.path,
+        ty: &step.ty,
+        rule,
+        base: step.base,
+        adds: step.adds,
+        offset: step.base + step.adds,
+        reason: reason(step, rules).0,
+    }
+}

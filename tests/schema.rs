@@ -1,0 +1,130 @@
+//! Every JSON output keeps to its published schema.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn landfall(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_landfall"))
+        .args(arguments)
+        .output()
+        .expect("the binary was built for this test")
+}
+
+fn validator(of: &str) -> jsonschema::Validator {
+    let schema = landfall(&["schema", of]);
+    assert!(schema.status.success());
+    let schema: Value = serde_json::from_slice(&schema.stdout).expect("a schema is JSON");
+    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+    jsonschema::meta::validate(&schema).expect("a schema is a schema");
+    jsonschema::validator_for(&schema).expect("a schema can be used")
+}
+
+fn holds(validator: &jsonschema::Validator, text: &str, of: &str) -> Value {
+    let value: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{of}: {e}\n{text}"));
+    let errors: Vec<String> =
+        validator.iter_errors(&value).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    assert!(errors.is_empty(), "{of}:\n{}", errors.join("\n"));
+    value
+}
+
+/// Shaders written for these tests: one text with everything a schema has a word for.
+const EVERYTHING: &str = "#version 460
+#extension GL_EXT_scalar_block_layout : require
+layout(constant_id = 7) const int COUNT = 4;
+struct Light { vec3 pos; float radius; mat3 turn; };
+layout(std140, set = 1, binding = 2) uniform Lights { Light lights[2][3]; layout(row_major) mat4x2 m; } u;
+layout(std430, binding = 0) buffer Particles { uint n; Light all[]; };
+layout(scalar, binding = 4) buffer Tight { vec3 a[COUNT]; double d; };
+layout(push_constant) uniform Push { vec4 colour; } push;
+uniform Undeclared { float x; } arrays[4];
+uniform sampler2D picture;
+void main() {}
+";
+
+const EVERYTHING_IN_WGSL: &str = "override count: u32 = 3;
+struct Inner { @align(16) a: u32 }
+struct Light { pos: vec3<f32>, @size(32) tint: vec3<f32>, turn: mat3x3<f32>, in: Inner }
+struct Lights { n: atomic<u32>, all: array<Light> }
+@group(0) @binding(1) var<storage, read_write> lights: Lights;
+@group(0) @binding(2) var<storage> raw: array<vec3<f32>>;
+struct View { view: mat4x4<f32>, eye: vec3<f32> }
+@group(0) @binding(0) var<uniform> view: View;
+";
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("schema-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+#[test]
+fn layouts_keep_to_their_schema() {
+    let folder = folder("layout");
+    let file = folder.join("everything.frag");
+    std::fs::write(&file, EVERYTHING).unwrap();
+    std::fs::write(folder.join("loose.frag"), "uniform vec3 a[2]; uniform sampler2D s;").unwrap();
+    std::fs::write(folder.join("nothing.vert"), "#version 330\nvoid main() {}\n").unwrap();
+    std::fs::write(folder.join("everything.wgsl"), EVERYTHING_IN_WGSL).unwrap();
+    let validator = validator("layout");
+    let folder = folder.display().to_string();
+    for more in
+        [&[][..], &["--expand"], &["--gather"], &["--rules", "scalar"], &["--block", "Lights"]]
+    {
+        let mut arguments = vec!["layout", &folder, "--format", "json"];
+        arguments.extend(more);
+        let output = landfall(&arguments);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let value = holds(&validator, &text, &arguments.join(" "));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(!value["shaders"].as_array().unwrap().is_empty());
+        assert!(text.ends_with('\n'));
+    }
+}
+
+#[test]
+fn the_shaders_of_the_repository_keep_to_it_too() {
+    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").display().to_string();
+    let output = landfall(&["layout", &shaders, "--format", "json", "--expand"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    holds(&validator("layout"), &text, "shaders");
+}
+
+#[test]
+fn explanations_keep_to_their_schema() {
+    let folder = folder("explain");
+    let file = folder.join("everything.frag");
+    std::fs::write(&file, EVERYTHING).unwrap();
+    let validator = validator("explain");
+    for place in ["lights[1][2].turn[1].y", "m[3]", "all", "all[].pos", "@0", "@12", "@60", "@76"] {
+        let arguments = ["explain", &file.display().to_string(), place, "--format", "json"];
+        let output = landfall(&arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let value = holds(&validator, &String::from_utf8(output.stdout).unwrap(), place);
+        assert!(!value["answers"].as_array().unwrap().is_empty(), "{place}");
+    }
+}
+
+#[test]
+fn findings_keep_to_their_schema() {
+    let folder = folder("diagnostic");
+    let file = folder.join("bad.frag");
+    std::fs::write(&file, "#include \"gone.glsl\"\nuniform B { vec33 x; float y[0]; };\n").unwrap();
+    let validator = validator("diagnostic");
+    let file = file.display().to_string();
+    for arguments in [
+        &["layout", &file, "--format", "json"][..],
+        &["layout", "no/such/file.frag", "--format", "json"],
+        &["layout", &file, "--format", "json", "--block", "Gone"],
+        &["explain", &file, "x", "--format", "json"],
+    ] {
+        let output = landfall(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(!text.is_empty(), "{arguments:?}");
+        text.lines().for_each(|line| drop(holds(&validator, line, "a finding")));
+    }
+}
