@@ -27,13 +27,13 @@ use crate::diagnostic::Diagnostic;
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// JSON Schema (draft 2020-12) of the JSON output.
-pub const LAYOUT_SCHEMA: &str = include_str!("../../schema/layout.json");
+pub const LAYOUT_SCHEMA: &str = include_str!("schema/layout.json");
 
 /// JSON Schema (draft 2020-12) of a finding in JSON.
-pub const DIAGNOSTIC_SCHEMA: &str = include_str!("../../schema/diagnostic.json");
+pub const DIAGNOSTIC_SCHEMA: &str = include_str!("schema/diagnostic.json");
 
 /// JSON Schema (draft 2020-12) of the JSON output of `explain`.
-pub const EXPLAIN_SCHEMA: &str = include_str!("../../schema/explain.json");
+pub const EXPLAIN_SCHEMA: &str = include_str!("schema/explain.json");
 
 /// A form layouts are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

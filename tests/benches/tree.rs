@@ -62,7 +62,10 @@ fn legacy(rng: &mut Rng) -> String {
         .replace("layout(std140, set = 0, binding = 1) ", "layout(std140) ")
         .replace("layout(location = 0) in", "in")
         .replace("layout(location = 1) in", "in")
-        .replace("layout(location = 0) out", "uniform sampler2D albedo;\nuniform vec3 ambient;\nout")
+        .replace(
+            "layout(location = 0) out",
+            "uniform sampler2D albedo;\nuniform vec3 ambient;\nout",
+        )
 }
 
 /// The same in WGSL.
