@@ -75,6 +75,7 @@ pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
         match layout::lay_out(&block) {
             Ok(layout) => {
                 extend_once(&mut diagnostics, layout::uniform_constraints::check(&block));
+                diagnostics.extend(layout::untold_order(&block, &layout));
                 blocks.push(layout);
             }
             Err(mut found) => diagnostics.append(&mut found),

@@ -220,6 +220,17 @@ impl Rules {
     }
 }
 
+/// Whether an explicit offset may be smaller than the end of the member before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OffsetOrder {
+    /// No: OpenGL, GLSL 4.60 §4.4.5.
+    Ascending,
+    /// Yes: Vulkan.
+    Any,
+    /// The text does not tell which of the two it is for.
+    Untold,
+}
+
 /// A block as declared.
 #[derive(Clone, Debug)]
 pub struct Block {
@@ -245,8 +256,8 @@ pub struct Block {
     pub members: Vec<Member>,
     /// Members left out because they are opaque: their names.
     pub opaque: Vec<Arc<str>>,
-    /// Whether an explicit offset may be smaller than its predecessor's (Vulkan) or not (OpenGL).
-    pub any_order: bool,
+    /// Whether explicit offsets may go back.
+    pub offset_order: OffsetOrder,
     /// Its name in the text.
     pub span: Span,
     /// The comments right before it.

@@ -61,7 +61,7 @@ pub fn declared(name: &str, rules: Rules, members: Vec<Member>) -> Block {
         majorness: Majorness::Column,
         members,
         opaque: vec![],
-        any_order: false,
+        offset_order: crate::shape::OffsetOrder::Ascending,
         span: Span::default(),
         comment: vec![],
     }

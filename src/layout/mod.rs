@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::shape::{
-    AddressSpace, ArrayLen, Block, Majorness, Member, Rules, Struct, Type, Written,
+    AddressSpace, ArrayLen, Block, Majorness, Member, OffsetOrder, Rules, Struct, Type, Written,
 };
 use crate::source::Span;
 use rules::{Alignment, Cursor, TooLarge};
@@ -258,7 +258,7 @@ fn check_offset(
         return;
     }
     let Some(before) = before else { return };
-    if offset.value < before && !block.any_order {
+    if offset.value < before && block.offset_order == OffsetOrder::Ascending {
         diagnostics.push(
             Diagnostic::error(
                 "offset-goes-back",
@@ -277,6 +277,31 @@ fn check_offset(
             )),
         );
     }
+}
+
+/// What OpenGL would refuse in a block that only the text's author knows to be Vulkan's.
+pub fn untold_order(block: &Block, layout: &BlockLayout) -> Vec<Diagnostic> {
+    if block.offset_order != OffsetOrder::Untold {
+        return Vec::new();
+    }
+    let goes_back = |pair: &[MemberLayout]| {
+        let end = pair[0].offset.zip(pair[0].size).map(|(offset, size)| offset + size);
+        end.filter(|end| pair[1].offset < Some(*end))
+    };
+    let pairs = layout.members.windows(2);
+    pairs
+        .filter_map(|pair| Some((&pair[1], goes_back(pair)?)))
+        .map(|(member, end)| {
+            let message = format!(
+                "`{}` is at offset {}, but the member before it ends at {end}",
+                member.name,
+                member.offset.unwrap_or(0),
+            );
+            Diagnostic::warning("offset-goes-back", member.span, message)
+                .with_note("Vulkan takes explicit offsets in any order, OpenGL only ascending ones")
+                .with_help("say which it is for with `--target vulkan` or `--target opengl`")
+        })
+        .collect()
 }
 
 fn overlap(member: &Member, at: u64, other: &(u64, u64, &Member)) -> Diagnostic {

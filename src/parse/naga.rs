@@ -259,7 +259,7 @@ mod tests {
             majorness: Majorness::Column,
             members,
             opaque: Vec::new(),
-            any_order: false,
+            offset_order: crate::shape::OffsetOrder::Ascending,
             span: Span::default(),
             comment: Vec::new(),
         };

@@ -1,6 +1,8 @@
 //! What landfall itself says, in the table the oracles answer with.
 
-use ::landfall::{ArrayLen, BlockLayout, Language, Leaf, Options, Rules, Source, Target, layout};
+use ::landfall::{
+    ArrayLen, BlockLayout, Language, Leaf, Options, Rules, ShaderLayout, Source, Target, layout,
+};
 
 use super::leaf::{OracleBlock, OracleLeaf};
 
@@ -25,7 +27,13 @@ pub fn wgsl_blocks(text: &str) -> Vec<OracleBlock> {
 fn blocks(source: &Source, options: &Options) -> Vec<OracleBlock> {
     let shader = layout(source, options);
     assert!(!shader.has_errors(), "{:#?}\n{}", shader.diagnostics, source.text);
-    shader.blocks.iter().map(|block| of_block(block, shader.language)).collect()
+    table(&shader)
+}
+
+/// A layout as a table, loose uniforms left out: they have no offsets.
+pub fn table(shader: &ShaderLayout) -> Vec<OracleBlock> {
+    let placed = shader.blocks.iter().filter(|block| block.size.is_some());
+    placed.map(|block| of_block(block, shader.language)).collect()
 }
 
 fn of_block(block: &BlockLayout, language: Language) -> OracleBlock {

@@ -5,7 +5,7 @@ use super::declarations::{Defaults, Named, Reader};
 use super::lexer::{Kind, Token};
 use super::members::{Place, majorness};
 use super::qualifiers::Qualifiers;
-use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, Rules};
+use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, OffsetOrder, Rules};
 use crate::source::Target;
 
 impl<'a> Reader<'a> {
@@ -107,7 +107,11 @@ impl<'a> Reader<'a> {
             majorness: own.majorness.or(defaults.majorness).unwrap_or(Majorness::Column),
             members: read.members,
             opaque: read.opaque,
-            any_order: self.preprocessor.target == Target::Vulkan,
+            offset_order: match self.preprocessor.target {
+                Some(Target::Vulkan) => OffsetOrder::Any,
+                Some(Target::OpenGl) => OffsetOrder::Ascending,
+                None => OffsetOrder::Untold,
+            },
             span: name.span,
             comment,
         });
@@ -147,7 +151,7 @@ impl<'a> Reader<'a> {
                     | AddressSpace::ShaderRecord => true,
                     AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::Default => false,
                 };
-                (fallback, vulkan_only || self.preprocessor.target == Target::Vulkan)
+                (fallback, vulkan_only || self.preprocessor.target == Some(Target::Vulkan))
             }
         }
     }

@@ -254,6 +254,10 @@ impl<'a> Reader<'a> {
         let ty = self.bump();
         if self.token.is("<") {
             self.skip_angles();
+            if !qualifiers.uniform && !self.peek().is("(") {
+                // A value of such a type may have commas of its own kind in its initialiser.
+                return self.skip_statement();
+            }
         }
         let dims = self.dims();
         if self.token.kind != Kind::Name {

@@ -70,7 +70,7 @@ impl<'a> Preprocessor<'a> {
             self.predefined(profile, "1");
         }
         // GL_KHR_vulkan_glsl: `#define VULKAN 100`.
-        if self.target == Target::Vulkan {
+        if self.target == Some(Target::Vulkan) {
             self.predefined("VULKAN", "100");
         }
     }

@@ -20,7 +20,7 @@ mod types;
 
 use crate::diagnostic::Diagnostic;
 use crate::parse::Parsed;
-use crate::shape::{AddressSpace, Block, Majorness, Rules, Shape};
+use crate::shape::{AddressSpace, Block, Majorness, OffsetOrder, Rules, Shape};
 use crate::source::{ReadOptions, Source, Span, Target};
 use declarations::Reader;
 use preprocess::{Preprocessor, Texts};
@@ -31,7 +31,7 @@ const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb"];
 /// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     let texts = Texts::new();
-    let target = options.target.unwrap_or_else(|| target_of(&source.text));
+    let target = options.target.or_else(|| target_of(&source.text));
     let preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options, target);
     let mut reader = Reader::new(preprocessor);
     let empty = reader.token.kind == lexer::Kind::End;
@@ -98,7 +98,7 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
         majorness: Majorness::Column,
         members,
         opaque,
-        any_order: false,
+        offset_order: OffsetOrder::Ascending,
         span,
         comment: Vec::new(),
     })
@@ -106,7 +106,6 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
 
 /// Words that only Vulkan's GLSL has.
 const VULKAN_WORDS: &[&str] = &[
-    "VULKAN",
     "push_constant",
     "constant_id",
     "subpassInput",
@@ -122,8 +121,10 @@ const VULKAN_WORDS: &[&str] = &[
     "GL_EXT_mesh_shader",
 ];
 
-/// The API a text is written for, by what only Vulkan's GLSL has: `set = N` and [`VULKAN_WORDS`].
-fn target_of(text: &str) -> Target {
+/// The API a text is written for, by what only Vulkan's GLSL has: `set = N` and [`VULKAN_WORDS`];
+/// or because it asks for `VULKAN` in a version that Vulkan's tools take. Without any of it the
+/// text may still be either's.
+fn target_of(text: &str) -> Option<Target> {
     let bytes = text.as_bytes();
     let word = VULKAN_WORDS.iter().any(|w| memchr::memmem::find(bytes, w.as_bytes()).is_some());
     let set = || {
@@ -136,5 +137,14 @@ fn target_of(text: &str) -> Target {
                 })
         })
     };
-    if word || set() { Target::Vulkan } else { Target::OpenGl }
+    let asks = || memchr::memmem::find(bytes, b"VULKAN").is_some() && is_recent(text);
+    (word || set() || asks()).then_some(Target::Vulkan)
+}
+
+/// Whether the text declares version 4.40 or ES 3.10 at least.
+fn is_recent(text: &str) -> bool {
+    let declared = text.split_once("#version").map_or("", |(_, rest)| rest.trim_start());
+    let line = declared.lines().next().unwrap_or("");
+    let number: u32 = line.split_whitespace().next().and_then(|n| n.parse().ok()).unwrap_or(0);
+    number >= if line.ends_with("es") { 310 } else { 440 }
 }

@@ -41,7 +41,8 @@ pub struct Preprocessor<'a> {
     pub(super) comments: Vec<Span>,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) version: Version,
-    pub(super) target: Target,
+    /// The API the text is for; `None` when neither the text nor the caller says.
+    pub(super) target: Option<Target>,
     pub(super) extensions: Vec<&'a str>,
     /// Function bodies of the shader's own file: from after `{` to before `}`.
     pub(super) bodies: Vec<Span>,
@@ -82,7 +83,7 @@ impl<'a> Preprocessor<'a> {
         text: &Arc<str>,
         texts: &'a Texts,
         options: &'a ReadOptions,
-        target: Target,
+        target: Option<Target>,
     ) -> Preprocessor<'a> {
         let mut files = Files::default();
         let file = files.add(path, text.clone());

@@ -85,7 +85,7 @@ fn made(
         majorness: Majorness::Column,
         members,
         opaque: Vec::new(),
-        any_order: false,
+        offset_order: crate::shape::OffsetOrder::Ascending,
         span: item.name_span,
         comment: item.comment.clone(),
     }
