@@ -1,4 +1,4 @@
-//! Landfall: every byte you upload lands where the shader reads it.
+#![doc = include_str!("../README.md")]
 
 pub mod diagnostic;
 pub mod emit;
