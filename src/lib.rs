@@ -3,6 +3,7 @@
 pub mod diagnostic;
 pub mod emit;
 pub mod error;
+pub mod file;
 pub mod layout;
 pub mod parse;
 pub mod shape;

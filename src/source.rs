@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use crate::error::Error;
+use crate::file::reason;
 
 /// The language a shader is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -155,7 +156,8 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     if path.is_dir() {
         return Err(Error::new(&shown, "is a directory, not a shader file"));
     }
-    let bytes = fs::read(path).map_err(|cause| Error::new(&shown, io_reason(&cause)))?;
+    let bytes = fs::read(path)
+        .map_err(|cause| Error::new(&shown, format!("cannot be read: {}", reason(&cause))))?;
     decode(&shown, bytes)
 }
 
@@ -187,13 +189,6 @@ pub fn decode(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
         return Err(Error::new(path, message));
     }
     Ok(text)
-}
-
-/// The reason of an I/O failure in the words of the operating system, without its number.
-pub(crate) fn io_reason(cause: &std::io::Error) -> String {
-    let text = cause.to_string();
-    let text = text.split(" (os error").next().unwrap_or(&text);
-    format!("cannot be read: {}", text.to_lowercase())
 }
 
 /// A place in one of the files a shader is made of: a byte range.

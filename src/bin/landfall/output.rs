@@ -1,9 +1,7 @@
 //! Where text goes: products to stdout, findings and progress to stderr, files whole or not at all.
 
 use std::cell::RefCell;
-use std::fs;
 use std::io::{self, BufWriter, IsTerminal, Write};
-use std::path::Path;
 use std::process::ExitCode;
 
 use anstream::{AutoStream, ColorChoice};
@@ -168,37 +166,8 @@ fn stdout_failure(cause: &io::Error) -> Failure {
     if cause.kind() == io::ErrorKind::BrokenPipe {
         return Failure::BrokenPipe;
     }
-    Failure::Error(Error::new("<stdout>", format!("cannot be written: {}", reason(cause))))
-}
-
-/// The reason of a failure in the words of the operating system, without its number.
-fn reason(cause: &io::Error) -> String {
-    let text = cause.to_string();
-    text.split(" (os error").next().unwrap_or(&text).to_lowercase()
-}
-
-/// Writes a file whole or not at all, and not when it already holds that text.
-pub fn write_file(path: &Path, text: &str) -> Result<(), Error> {
-    if fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
-        return Ok(());
-    }
-    let failed = |cause: io::Error| {
-        Error::new(path.display().to_string(), format!("cannot be written: {}", reason(&cause)))
-    };
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(folder).map_err(|cause| {
-        let message = format!("cannot be made a directory: {}", reason(&cause));
-        Error::new(folder.display().to_string(), message)
-    })?;
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.partial", std::process::id()));
-    let partial = folder.join(name);
-    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, path));
-    written.map_err(|cause| {
-        let _ = fs::remove_file(&partial);
-        failed(cause)
-    })
+    Failure::Error(Error::new(
+        "<stdout>",
+        format!("cannot be written: {}", landfall::file::reason(cause)),
+    ))
 }

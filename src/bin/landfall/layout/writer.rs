@@ -10,7 +10,9 @@ use landfall::{Diagnostic, Error, Severity};
 
 use super::Done;
 use crate::args::LayoutArgs;
-use crate::output::{Failure, FindingStyle, Outcome, Streams, write_file};
+use landfall::file::write_whole;
+
+use crate::output::{Failure, FindingStyle, Outcome, Streams};
 
 /// Progress is shown when a run takes longer than this, and as often.
 const PROGRESS: Duration = Duration::from_millis(500);
@@ -105,7 +107,7 @@ impl<'a> Writer<'a> {
                 .with_help("write the layouts of each directory to a directory of its own")
                 .into());
         }
-        write_file(&target, text)?;
+        write_whole(&target, text)?;
         self.targets.insert(target, path.to_path_buf());
         self.written += 1;
         Ok(())
