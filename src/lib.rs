@@ -1,5 +1,6 @@
 //! Landfall: every byte you upload lands where the shader reads it.
 
+pub mod buffer;
 pub mod diagnostic;
 pub mod emit;
 pub mod error;
@@ -8,6 +9,7 @@ pub mod parse;
 pub mod shape;
 pub mod source;
 
+pub use buffer::{Buffer, BufferError};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::Error;
 pub use layout::{BlockLayout, Leaf, MemberLayout};
