@@ -156,13 +156,13 @@ fn every_component_type_has_its_rust_type() {
 fn another_type_is_refused_by_both_names_and_nothing_is_written() {
     let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
     let text = said(buffer.set("data[3].color", [1.0f32, 2.0]));
-    assert_eq!(text, "`data[3].color` is a `vec3`, not a `[f32; 2]`\nhelp: use a `[f32; 3]`");
+    assert_eq!(text, "`data[3].color` is `vec3`, not `[f32; 2]`\nhelp: use `[f32; 3]`");
     let text = said(buffer.set("data[3].intensity", 1));
-    assert_eq!(text, "`data[3].intensity` is a `float`, not a `i32`\nhelp: use a `f32`");
-    assert!(said(buffer.set("actually_used_count", 1u32)).contains("not a `u32`"));
-    assert!(said(buffer.set("actually_used_count", true)).contains("not a `bool`"));
-    assert!(said(buffer.set("data[3].color.x", 1.0f64)).contains("is a `float`, not a `f64`"));
-    assert!(said(buffer.handle::<[f32; 4]>("data[].pos")).contains("not a `[f32; 4]`"));
+    assert_eq!(text, "`data[3].intensity` is `float`, not `i32`\nhelp: use `f32`");
+    assert!(said(buffer.set("actually_used_count", 1u32)).contains("not `u32`"));
+    assert!(said(buffer.set("actually_used_count", true)).contains("not `bool`"));
+    assert!(said(buffer.set("data[3].color.x", 1.0f64)).contains("is `float`, not `f64`"));
+    assert!(said(buffer.handle::<[f32; 4]>("data[].pos")).contains("not `[f32; 4]`"));
     assert!(buffer.bytes().iter().all(|&byte| byte == 0));
     assert_eq!(buffer.dirty(0).count(), 0);
 }
@@ -189,7 +189,7 @@ fn a_wrong_path_is_refused_with_what_would_be_right() {
     assert!(said("data[].color").contains("lacks the index"));
     assert_eq!(
         said("data"),
-        "`data` is a `PointLight[128]`, not a single value\nhelp: go on with an index"
+        "`data` is `PointLight[128]`, not a single value\nhelp: go on with an index"
     );
     assert!(said("data[3]").contains("`PointLight`, not a single value\nhelp: go on with `.pos`,"));
     assert_eq!(
@@ -198,11 +198,11 @@ fn a_wrong_path_is_refused_with_what_would_be_right() {
     );
     assert_eq!(
         said("data[3][1].color"),
-        "`data[3]` is a `PointLight` and takes no further index or component"
+        "`data[3]` is `PointLight` and takes no further index or component"
     );
     assert_eq!(
         said("data[3].intensity.x"),
-        "`data[3].intensity` is a `float` and takes no further index or component"
+        "`data[3].intensity` is `float` and takes no further index or component"
     );
     for path in [
         "data[3",
@@ -292,7 +292,7 @@ fn a_mirror_is_written_over_its_element() {
     assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [144..188]);
     assert_eq!(buffer.read_pod::<[f32; 12]>("data[3]").unwrap(), LIGHT);
     let text = said(buffer.write_pod("data[3]", &[0f32; 10]));
-    assert_eq!(text, "`data[3]` is a `PointLight` of 48 bytes, but the mirror has 40 bytes");
+    assert_eq!(text, "`data[3]` is `PointLight` of 48 bytes, but the mirror has 40 bytes");
     assert!(buffer.write_pod("data[128]", &LIGHT).is_err());
     buffer.write_pod("data[4].pos", &[1f32, 2.0, 3.0]).unwrap();
 }

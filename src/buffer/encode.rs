@@ -127,7 +127,7 @@ impl<'b> Encoder<'b> {
         let names: HashSet<&str> = members.iter().map(|m| &*m.name).collect();
         for (key, value) in map.iter().filter(|(key, _)| !names.contains(key.as_str())) {
             let named = resolve_in(self.block, self.tail, key, place)
-                .map_err(|error| EncodeError::Key { at: self.path.clone(), error })?;
+                .map_err(|error| self.no_key(error))?;
             self.at(key, |encoder| encoder.value(named, value))?;
         }
         Ok(())
@@ -259,6 +259,22 @@ impl<'b> Encoder<'b> {
         let result = then(self);
         self.path.truncate(before);
         result
+    }
+
+    /// A key that names nothing in the object where it stands.
+    fn no_key(&self, error: BufferError) -> EncodeError {
+        let at = self.path.clone();
+        let below = |path: String| if at.is_empty() { path } else { format!("{at}.{path}") };
+        let error = match error {
+            BufferError::UnknownPath { path, name, inside, nearest } => BufferError::UnknownPath {
+                path: below(path),
+                name,
+                inside: if inside.is_empty() { at.clone() } else { below(inside) },
+                nearest: nearest.map(below),
+            },
+            error => return EncodeError::Key { at, error },
+        };
+        EncodeError::Key { at: String::new(), error }
     }
 
     fn wrong(&self, what: What<'_>, wanted: &str, found: &Value) -> EncodeError {

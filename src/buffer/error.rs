@@ -83,10 +83,10 @@ impl fmt::Display for BufferError {
                 }
             }
             BufferError::NotALeaf { path, ty, next } => {
-                write!(f, "`{path}` is a `{ty}`, not a single value\nhelp: go on with {next}")
+                write!(f, "`{path}` is `{ty}`, not a single value\nhelp: go on with {next}")
             }
             BufferError::NotAnArray { path, ty } => {
-                write!(f, "`{path}` is a `{ty}` and takes no further index or component")
+                write!(f, "`{path}` is `{ty}` and takes no further index or component")
             }
             BufferError::MissingIndex { path, len } => {
                 write!(f, "`{path}` lacks the index of an array of {len} elements")
@@ -100,11 +100,11 @@ impl fmt::Display for BufferError {
                  buffer was made with {len} elements"
             ),
             BufferError::WrongType { path, shader, given, wanted } => {
-                write!(f, "`{path}` is a `{shader}`, not a `{given}`\nhelp: use a `{wanted}`")
+                write!(f, "`{path}` is `{shader}`, not `{given}`\nhelp: use `{wanted}`")
             }
             BufferError::WrongSize { path, shader, wanted, given } => write!(
                 f,
-                "`{path}` is a `{shader}` of {wanted} bytes, but the mirror has {given} bytes"
+                "`{path}` is `{shader}` of {wanted} bytes, but the mirror has {given} bytes"
             ),
             BufferError::OutOfBounds { offset, size, len } => {
                 write!(f, "{size} bytes at offset {offset} end past the buffer's {len} bytes")

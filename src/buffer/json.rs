@@ -41,13 +41,13 @@ impl fmt::Display for EncodeError {
                 at => write!(f, "in `{at}`: {error}"),
             },
             EncodeError::Kind { at, ty, wanted, found } => {
-                write!(f, "{}: a `{ty}` wants {wanted}, not {found}", place(at))
+                write!(f, "{}: `{ty}` wants {wanted}, not {found}", place(at))
             }
             EncodeError::Range { at, ty, found } => {
-                write!(f, "{}: {found} does not fit a `{ty}`", place(at))
+                write!(f, "{}: {found} does not fit `{ty}`", place(at))
             }
             EncodeError::Length { at, ty, wanted, found } => {
-                write!(f, "{}: a `{ty}` has {wanted} elements, not {found}", place(at))
+                write!(f, "{}: `{ty}` has {wanted} elements, not {found}", place(at))
             }
             EncodeError::Twice { at } => write!(f, "{}: its value was given before", place(at)),
             EncodeError::Missing { path } => write!(
