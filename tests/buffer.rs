@@ -1,5 +1,8 @@
 //! Bytes by name: what is set lands where OpenGL 4.6 §7.6.2.2 puts it, and nothing else moves.
 
+// One range of bytes is what is meant.
+#![allow(clippy::single_range_in_vec_init)]
+
 use landfall::buffer::{BufferError, Upload};
 use landfall::{BlockLayout, Buffer, Options, Source, layout};
 
@@ -217,6 +220,9 @@ fn a_wrong_path_is_refused_with_what_would_be_right() {
         "u_point_light_array.",
         "é[1]",
         "data[é]",
+        "data[3].color\0",
+        "data[3].color\0\0",
+        "data\0[3].color",
     ] {
         let text = said(path);
         assert!(text.contains("is not a path") || text.contains("no member"), "{path}: {text}");

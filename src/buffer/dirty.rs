@@ -7,25 +7,45 @@
 
 use std::ops::Range;
 
-const WORD: usize = 4;
+pub(crate) const WORD: usize = 4;
 const BITS: usize = 64;
+const CLEAN: u64 = u64::MAX;
 
 /// The words written since the last [`clear`](Dirty::clear).
 #[derive(Clone, Debug)]
 pub(crate) struct Dirty {
-    /// Bit `i % 64` of entry `i / 64` stands for word `i`; one entry more than needed.
+    /// Bit `i % 64` of entry `i / 64` is set while word `i` is clean, so that one test tells
+    /// whether there is anything to mark; one entry more than needed.
     map: Vec<u64>,
     /// Bytes of the buffer.
     len: usize,
 }
 
+/// The bits of bytes whose place is known beforehand.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mark {
+    /// Of no map, when the bits are in more than one entry.
+    entry: usize,
+    bits: u64,
+}
+
+impl Mark {
+    pub fn of(offset: usize, size: usize) -> Mark {
+        let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
+        if first / BITS != last / BITS {
+            return Mark { entry: usize::MAX, bits: 0 };
+        }
+        let bits = (u64::MAX >> (BITS - 1 - (last - first))) << (first % BITS);
+        Mark { entry: first / BITS, bits }
+    }
+}
+
 impl Dirty {
     pub fn new(len: usize) -> Dirty {
-        Dirty { map: vec![0; len / (WORD * BITS) + 2], len }
+        Dirty { map: vec![CLEAN; len / (WORD * BITS) + 2], len }
     }
 
     /// Marks `size` bytes at `offset`; they lie within the buffer.
-    #[inline]
     pub fn mark(&mut self, offset: usize, size: usize) {
         if size == 0 {
             return;
@@ -38,31 +58,57 @@ impl Dirty {
         }
         let mask = (u64::MAX >> (BITS - count)) << bit;
         if let Some(bits) = self.map.get_mut(entry) {
-            *bits |= mask;
+            *bits &= !mask;
         }
     }
 
-    #[cold]
+    /// Marks `size` bytes at `offset`, for which `mark` was computed beforehand.
+    #[inline]
+    pub fn mark_at(&mut self, mark: Mark, offset: usize, size: usize) {
+        match self.map.get_mut(mark.entry) {
+            // What is marked already is not stored again: the next write need not wait for it.
+            Some(bits) if *bits & mark.bits == 0 => {}
+            Some(bits) => *bits &= !mark.bits,
+            None => self.mark(offset, size),
+        }
+    }
+
+    /// Marks 1 to 64 words from `offset` on, a multiple of 4 within the buffer.
+    #[inline]
+    pub fn mark_words(&mut self, offset: usize, count: usize) {
+        let (entry, bit) = (offset / (WORD * BITS), offset / WORD % BITS);
+        if bit > BITS - count {
+            return self.mark(offset, count * WORD);
+        }
+        let mask = (u64::MAX >> (BITS - count)) << bit;
+        if let Some(bits) = self.map.get_mut(entry) {
+            // What is marked already is not stored again: the next write need not wait for it.
+            if *bits & mask != 0 {
+                *bits &= !mask;
+            }
+        }
+    }
+
     fn mark_across(&mut self, first: usize, last: usize) {
         let (low, high) = (first / BITS, last / BITS);
         let low_mask = u64::MAX << (first % BITS);
         let high_mask = u64::MAX >> (BITS - 1 - last % BITS);
-        self.map[low] |= low_mask;
-        self.map[low + 1..high].fill(u64::MAX);
-        self.map[high] |= high_mask;
+        self.map[low] &= !low_mask;
+        self.map[low + 1..high].fill(!CLEAN);
+        self.map[high] &= !high_mask;
     }
 
     pub fn clear(&mut self) {
-        self.map.fill(0);
+        self.map.fill(CLEAN);
     }
 
     pub fn ranges(&self, gap: usize) -> Ranges<'_> {
         Ranges { dirty: self, word: 0, gap }
     }
 
-    /// The first word from `from` on whose bit is `set`.
-    fn find(&self, from: usize, set: bool) -> Option<usize> {
-        let flip = if set { 0 } else { u64::MAX };
+    /// The first word from `from` on that is dirty, or that is not.
+    fn find(&self, from: usize, dirty: bool) -> Option<usize> {
+        let flip = if dirty { u64::MAX } else { 0 };
         let mut entry = from / BITS;
         let mut bits = (self.map.get(entry)? ^ flip) & (u64::MAX << (from % BITS));
         while bits == 0 {
@@ -90,7 +136,7 @@ impl Iterator for Ranges<'_> {
     fn next(&mut self) -> Option<Range<usize>> {
         let start = self.dirty.find(self.word, true)?;
         loop {
-            // The map has a clear bit after the last word.
+            // The map has a clean word after the last.
             let end = self.dirty.find(self.word.max(start), false)?;
             self.word = end;
             match self.dirty.find(end, true) {
@@ -122,6 +168,8 @@ impl Upload {
 }
 
 #[cfg(test)]
+// One range of bytes is what is meant.
+#[allow(clippy::single_range_in_vec_init)]
 mod tests {
     use super::*;
 
@@ -162,6 +210,16 @@ mod tests {
             assert_eq!(ranges(&dirty, 0), [offset..offset + size]);
             dirty.clear();
             assert_eq!(ranges(&dirty, 0), []);
+        }
+    }
+
+    #[test]
+    fn a_mark_made_beforehand_is_the_same_as_one_made_then() {
+        for (offset, size) in [(0, 4), (252, 12), (16, 12), (1, 1), (508, 256), (1023, 2)] {
+            let (mut then, mut beforehand) = (Dirty::new(2048), Dirty::new(2048));
+            then.mark(offset, size);
+            beforehand.mark_at(Mark::of(offset, size), offset, size);
+            assert_eq!(then.map, beforehand.map, "{size} at {offset}");
         }
     }
 

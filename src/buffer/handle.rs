@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use super::dirty::Mark;
 use super::error::BufferError;
 use super::grid::{Dim, Grid};
 use super::resolve::{What, not_a_leaf, resolve};
@@ -13,16 +14,26 @@ use super::{Buffer, wrong_type};
 /// Made by [`Buffer::handle`]; works with every buffer of a block that is laid out alike.
 #[derive(Clone, Debug)]
 pub struct Handle<T> {
-    fingerprint: u64,
+    /// The key of the buffer it was made for and the number of open dimensions; of no buffer
+    /// where the components are not to be copied as they are.
+    key: u64,
     /// Of the first element.
-    offset: usize,
+    offset: u32,
+    /// What marks it as written, where no dimension is open.
+    mark: Mark,
+    /// The first open dimension; one element where there is none.
+    len: usize,
+    stride: usize,
     /// The dimensions left open, outermost first.
     dims: Box<[Dim]>,
-    plain: bool,
+    fingerprint: u64,
     grid: Grid,
     path: Box<str>,
     value: PhantomData<fn() -> T>,
 }
+
+/// More dimensions than any path has.
+const NOT_PLAIN: u64 = 1 << 32;
 
 impl<T> Handle<T> {
     /// The path it was made of.
@@ -43,11 +54,17 @@ impl<T: Value> Handle<T> {
         if fit == Fit::No {
             return Err(wrong_type::<T>(block, path, &grid));
         }
+        let plain = fit == Fit::Same && grid.is_plain();
+        let first = dims.first().copied().unwrap_or(Dim { len: Some(1), stride: 0 });
         Ok(Handle {
-            fingerprint: buffer.compiled.index.fingerprint,
-            offset: place.offset as usize,
+            key: buffer.key.wrapping_add(if plain { dims.len() as u64 } else { NOT_PLAIN }),
+            // No block is larger than 2^32 bytes.
+            offset: place.offset as u32,
+            mark: Mark::of(place.offset as usize, grid.span()),
+            len: first.len.unwrap_or(buffer.tail),
+            stride: first.stride,
             dims: dims.into(),
-            plain: fit == Fit::Same && grid.is_plain(),
+            fingerprint: buffer.compiled.index.fingerprint,
             grid,
             path: path.into(),
             value: PhantomData,
@@ -75,14 +92,17 @@ impl Buffer {
         at: [usize; N],
         value: T,
     ) -> Result<(), BufferError> {
-        let Some(offset) = self.locate(handle, &at) else {
-            return Err(self.cannot_locate(handle, &at));
+        let stored = match self.locate(handle, &at) {
+            Some(_) if N == 0 => self.store_marked(handle.offset, handle.mark, value),
+            Some(offset) => self.store(offset, value),
+            None => false,
         };
-        let stored = match handle.plain {
-            true => self.store(offset, value),
-            false => self.store_cells(offset, &handle.grid, value),
-        };
-        if stored { Ok(()) } else { Err(self.cannot_locate(handle, &at)) }
+        if stored {
+            return Ok(());
+        }
+        // Copies, so that the fast path need not have them in memory.
+        let (at, value) = (at.map(|index| index), T::build(|c, r| value.component(c, r)));
+        self.set_slowly(handle, &at, value)
     }
 
     /// Reads the element of a handle at those indices, as many as it left open.
@@ -95,33 +115,71 @@ impl Buffer {
         handle: &Handle<T>,
         at: [usize; N],
     ) -> Result<T, BufferError> {
-        let offset = self.locate(handle, &at);
-        match offset.and_then(|offset| self.load(offset, &handle.grid)) {
-            Some(value) => Ok(value),
-            None => Err(self.cannot_locate(handle, &at)),
+        let from = self.locate(handle, &at).and_then(|offset| self.bytes.get(offset..));
+        match from.and_then(|from| from.get(..T::BYTES)) {
+            Some(from) => Ok(T::fetch(from)),
+            None => self.get_slowly(handle, &at),
         }
     }
 
-    /// The offset of an element, if handle and indices are those of this buffer.
+    /// The offset of an element, if the handle was made for a buffer like this, its components
+    /// follow each other without a gap, and the indices are right.
     #[inline]
-    fn locate<T>(&self, handle: &Handle<T>, at: &[usize]) -> Option<usize> {
-        if handle.fingerprint != self.fingerprint || handle.dims.len() != at.len() {
+    fn locate<T, const N: usize>(&self, handle: &Handle<T>, at: &[usize; N]) -> Option<usize> {
+        if handle.key != self.key.wrapping_add(N as u64) {
             return None;
         }
-        let mut offset = handle.offset;
-        for (dim, &index) in handle.dims.iter().zip(at) {
-            if index >= dim.len.unwrap_or(self.tail) {
+        let mut offset = handle.offset as usize;
+        if let Some((&index, rest)) = at.split_first() {
+            if index >= handle.len {
                 return None;
             }
-            offset += index * dim.stride;
+            offset += index * handle.stride;
+            for (dim, &index) in handle.dims.iter().skip(1).zip(rest) {
+                // Only the first dimension of a block's array may be runtime-sized.
+                if index >= dim.len? {
+                    return None;
+                }
+                offset += index * dim.stride;
+            }
         }
         Some(offset)
+    }
+
+    /// The offset of an element, if handle and indices are those of this buffer.
+    fn locate_slowly<T>(&self, handle: &Handle<T>, at: &[usize]) -> Option<usize> {
+        if handle.fingerprint != self.compiled.index.fingerprint || handle.dims.len() != at.len() {
+            return None;
+        }
+        handle.dims.iter().zip(at).try_fold(handle.offset as usize, |offset, (dim, &index)| {
+            (index < dim.len.unwrap_or(self.tail)).then(|| offset + index * dim.stride)
+        })
+    }
+
+    #[inline(never)]
+    fn set_slowly<T: Value>(
+        &mut self,
+        handle: &Handle<T>,
+        at: &[usize],
+        value: T,
+    ) -> Result<(), BufferError> {
+        match self.locate_slowly(handle, at) {
+            Some(offset) if self.store_cells(offset, &handle.grid, value) => Ok(()),
+            _ => Err(self.cannot_locate(handle, at)),
+        }
+    }
+
+    #[inline(never)]
+    fn get_slowly<T: Value>(&self, handle: &Handle<T>, at: &[usize]) -> Result<T, BufferError> {
+        let offset = self.locate_slowly(handle, at);
+        let read = offset.and_then(|offset| self.load(offset, &handle.grid));
+        read.ok_or_else(|| self.cannot_locate(handle, at))
     }
 
     #[cold]
     fn cannot_locate<T>(&self, handle: &Handle<T>, at: &[usize]) -> BufferError {
         let path = handle.path.to_string();
-        if handle.fingerprint != self.fingerprint {
+        if handle.fingerprint != self.compiled.index.fingerprint {
             return BufferError::OtherBlock { block: self.block().name.to_string() };
         }
         if handle.dims.len() != at.len() {
@@ -135,7 +193,7 @@ impl Buffer {
             }
         }
         // The handle itself names an element that this buffer's tail does not have.
-        let (offset, size) = (handle.offset as u64, handle.grid.span() as u64);
+        let (offset, size) = (handle.offset.into(), handle.grid.span() as u64);
         BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 }
     }
 }

@@ -45,9 +45,9 @@ mod value;
 use std::sync::Arc;
 
 use crate::layout::BlockLayout;
-use dirty::Dirty;
+use dirty::{Dirty, Mark};
 use grid::{Extent, Grid, language};
-use index::{Index, Row};
+use index::Index;
 use resolve::{What, not_a_leaf, resolve};
 use value::Fit;
 
@@ -69,7 +69,8 @@ pub use value::{Component, Value};
 #[derive(Clone, Debug)]
 pub struct Buffer {
     compiled: Arc<Compiled>,
-    fingerprint: u64,
+    /// What a handle made for it has too: the fingerprint of the block with the tail's length.
+    key: u64,
     bytes: Vec<u8>,
     /// Elements of the runtime-sized array at the end.
     tail: usize,
@@ -138,9 +139,9 @@ impl Buffer {
         let bytes = zeroes(block, &extent, tail)?;
         let dirty = Dirty::new(bytes.len());
         let index = Index::of(block);
-        let fingerprint = index.fingerprint;
+        let key = index.fingerprint ^ (tail as u64).rotate_left(16);
         let compiled = Arc::new(Compiled { block: block.clone(), extent, index });
-        Ok(Buffer { compiled, fingerprint, bytes, tail, dirty })
+        Ok(Buffer { compiled, key, bytes, tail, dirty })
     }
 
     /// The block it holds.
@@ -168,18 +169,17 @@ impl Buffer {
     /// # Errors
     /// A path that names nothing, or more than one value; an index out of range; a value of
     /// another type than the shader's. Nothing is converted, except `f32` to a smaller float.
+    #[inline]
     pub fn set<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
-        if let Some((row, offset)) = self.compiled.index.find(path, self.tail) {
-            let Row { grid, plain, .. } = *row;
-            let stored = match value::fit::<T>(&grid) {
-                Fit::Same if plain => self.store(offset, value),
-                Fit::Same | Fit::Narrowed => self.store_cells(offset, &grid, value),
-                Fit::No => false,
-            };
-            if stored {
-                return Ok(());
-            }
+        match self.compiled.index.find(path, self.tail) {
+            Some(row) if row.code == T::CODE && self.store(row.offset, value) => Ok(()),
+            _ => self.set_resolved(path, value),
         }
+    }
+
+    /// Sets what [`Index::find`] did not: another spelling, components with gaps, or an error.
+    #[inline(never)]
+    fn set_resolved<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
         let (offset, grid) = self.leaf::<T>(path)?;
         if self.store_cells(offset, &grid, value) {
             return Ok(());
@@ -192,20 +192,22 @@ impl Buffer {
     ///
     /// # Errors
     /// Those of [`set`](Buffer::set).
+    #[inline]
     pub fn get<T: Value>(&self, path: &str) -> Result<T, BufferError> {
-        let found = self.compiled.index.find(path, self.tail);
-        let (offset, grid) = match found.filter(|found| value::fit::<T>(&found.0.grid) != Fit::No) {
-            Some((row, offset)) => (offset, row.grid),
-            None => self.leaf::<T>(path)?,
-        };
+        if let Some(row) = self.compiled.index.find(path, self.tail) {
+            let from = self.bytes.get(row.offset..).and_then(|bytes| bytes.get(..T::BYTES));
+            if let Some(from) = from.filter(|_| row.code == T::CODE) {
+                return Ok(T::fetch(from));
+            }
+        }
+        let (offset, grid) = self.leaf::<T>(path)?;
         self.load(offset, &grid).ok_or_else(|| {
             let (offset, size) = (offset as u64, grid.span() as u64);
             BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 }
         })
     }
 
-    /// What [`Index::find`] did not: another spelling, or an error.
-    #[cold]
+    /// The leaf that a path names, by whatever spelling.
     fn leaf<T: Value>(&self, path: &str) -> Result<(usize, Grid), BufferError> {
         let block = self.block();
         let place = resolve(block, self.tail, path, None)?;
@@ -221,10 +223,25 @@ impl Buffer {
     /// Writes a value without a gap; `false` when it would end past the buffer.
     #[inline]
     fn store<T: Value>(&mut self, offset: usize, value: T) -> bool {
-        let to = self.bytes.get_mut(offset..).and_then(|bytes| bytes.get_mut(..T::BYTES));
-        let Some(to) = to else { return false };
+        let Some(end) = offset.checked_add(T::BYTES) else { return false };
+        let Some(to) = self.bytes.get_mut(offset..end) else { return false };
         value.store(to);
-        self.dirty.mark(offset, T::BYTES);
+        if T::Component::WIDTH % dirty::WORD == 0 {
+            self.dirty.mark_words(offset, T::BYTES / dirty::WORD);
+        } else {
+            self.dirty.mark(offset, T::BYTES);
+        }
+        true
+    }
+
+    /// Writes a value without a gap, marked as written by what its handle knows.
+    #[inline]
+    fn store_marked<T: Value>(&mut self, offset: u32, mark: Mark, value: T) -> bool {
+        let offset = offset as usize;
+        let Some(end) = offset.checked_add(T::BYTES) else { return false };
+        let Some(to) = self.bytes.get_mut(offset..end) else { return false };
+        value.store(to);
+        self.dirty.mark_at(mark, offset, T::BYTES);
         true
     }
 

@@ -17,9 +17,14 @@ pub trait Component: Copy + Sealed {
     const NAME: &'static str;
     /// Bytes it occupies in a buffer.
     const WIDTH: usize;
+    /// The component it stands for.
+    #[doc(hidden)]
+    const SCALAR: Scalar;
     /// Whether it stands for such a component.
     #[doc(hidden)]
-    fn is(scalar: Scalar) -> Fit;
+    fn is(scalar: Scalar) -> Fit {
+        if scalar == Self::SCALAR { Fit::Same } else { Fit::No }
+    }
     /// Writes [`WIDTH`](Self::WIDTH) bytes in the machine's order.
     #[doc(hidden)]
     fn put(self, out: &mut [u8]);
@@ -58,6 +63,9 @@ pub trait Value: Copy + Sealed {
     /// Bytes it occupies without a gap.
     #[doc(hidden)]
     const BYTES: usize = Self::COLUMNS * Self::ROWS * Self::Component::WIDTH;
+    /// The [`code`] of its type.
+    #[doc(hidden)]
+    const CODE: u32 = code(Self::Component::SCALAR, Self::COLUMNS as u8, Self::ROWS as u8);
     /// One component.
     #[doc(hidden)]
     fn component(&self, column: usize, row: usize) -> Self::Component;
@@ -76,6 +84,16 @@ pub trait Value: Copy + Sealed {
             }
         }
     }
+    /// Reads it without a gap; `from` holds [`BYTES`](Self::BYTES).
+    #[doc(hidden)]
+    #[inline]
+    fn fetch(from: &[u8]) -> Self {
+        let width = Self::Component::WIDTH;
+        Self::build(|column, row| {
+            let at = (column * Self::ROWS + row) * width;
+            Self::Component::take(&from[at..at + width])
+        })
+    }
 }
 
 /// Only this crate says what stands for what.
@@ -84,8 +102,12 @@ mod sealed {
 }
 pub(crate) use sealed::Sealed;
 
+/// A scalar, vector or matrix type as a number: equal for equal types.
+pub(crate) const fn code(scalar: Scalar, columns: u8, rows: u8) -> u32 {
+    u32::from_be_bytes([scalar.kind as u8, scalar.width, columns, rows])
+}
+
 /// How a value of that type relates to a leaf.
-#[inline]
 pub(crate) fn fit<T: Value>(grid: &Grid) -> Fit {
     let same = T::COLUMNS == usize::from(grid.columns) && T::ROWS == usize::from(grid.rows);
     if same { T::Component::is(grid.scalar) } else { Fit::No }
@@ -132,15 +154,8 @@ macro_rules! scalar {
         impl Component for $ty {
             const NAME: &'static str = stringify!($ty);
             const WIDTH: usize = size_of::<$ty>();
-
-            #[inline]
-            fn is(scalar: Scalar) -> Fit {
-                let same = matches!(scalar.kind, ScalarKind::$kind);
-                match same && usize::from(scalar.width) == Self::WIDTH {
-                    true => Fit::Same,
-                    false => Fit::No,
-                }
-            }
+            const SCALAR: Scalar =
+                Scalar { kind: ScalarKind::$kind, width: size_of::<$ty>() as u8 };
 
             #[inline]
             fn put(self, out: &mut [u8]) {
@@ -172,8 +187,8 @@ impl Sealed for f32 {}
 impl Component for f32 {
     const NAME: &'static str = "f32";
     const WIDTH: usize = 4;
+    const SCALAR: Scalar = Scalar::F32;
 
-    #[inline]
     fn is(scalar: Scalar) -> Fit {
         match (scalar.kind, scalar.width) {
             (ScalarKind::Float, 4) => Fit::Same,
@@ -215,11 +230,7 @@ impl Sealed for bool {}
 impl Component for bool {
     const NAME: &'static str = "bool";
     const WIDTH: usize = 4;
-
-    #[inline]
-    fn is(scalar: Scalar) -> Fit {
-        if matches!(scalar.kind, ScalarKind::Bool) { Fit::Same } else { Fit::No }
-    }
+    const SCALAR: Scalar = Scalar::BOOL;
 
     #[inline]
     fn put(self, out: &mut [u8]) {

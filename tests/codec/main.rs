@@ -6,7 +6,7 @@ mod random;
 use fastrand::Rng;
 use landfall::buffer::{EncodeError, Finding, Missing, decode, encode, read_json};
 use landfall::shape::{ScalarKind, Type};
-use landfall::{ArrayLen, BlockLayout, Leaf, Options, Source, layout};
+use landfall::{ArrayLen, BlockLayout, Buffer, Leaf, Options, Source, layout};
 
 const LIGHTS: &str = "
     struct PointLight {
@@ -395,4 +395,85 @@ fn encoding_what_was_decoded_gives_the_same_bytes() {
         nans > 10_000 && tails > 1000,
         "{nans} NaNs, {tails} tails, {components_seen} components"
     );
+}
+
+/// Sets one component of a buffer by its path, from its bits.
+fn set(buffer: &mut Buffer, path: &str, kind: ScalarKind, width: u64, bits: u64) {
+    macro_rules! number {
+        ($ty:ty) => {{
+            let bytes = bits.to_le_bytes();
+            let value = <$ty>::from_le_bytes(bytes[..size_of::<$ty>()].try_into().unwrap());
+            buffer.set(path, value).unwrap();
+            let read: $ty = buffer.get(path).unwrap();
+            assert_eq!(read.to_le_bytes(), value.to_le_bytes());
+        }};
+    }
+    match (kind, width) {
+        (ScalarKind::Bool, _) => buffer.set(path, bits != 0).unwrap(),
+        (ScalarKind::Sint, 1) => number!(i8),
+        (ScalarKind::Sint, 2) => number!(i16),
+        (ScalarKind::Sint, 4) => number!(i32),
+        (ScalarKind::Sint, _) => number!(i64),
+        (ScalarKind::Uint, 1) => number!(u8),
+        (ScalarKind::Uint, 2) => number!(u16),
+        (ScalarKind::Uint, 4) => number!(u32),
+        (ScalarKind::Uint, _) => number!(u64),
+        (ScalarKind::Float, 4) => number!(f32),
+        (ScalarKind::Float, 8) => number!(f64),
+        (kind, width) => panic!("{kind:?} of {width} bytes"),
+    }
+}
+
+#[test]
+fn a_buffer_set_component_by_component_holds_the_same_bytes() {
+    for seed in 0..1500 {
+        let shader = random::shader(seed);
+        let block = block(&shader);
+        let mut rng = Rng::with_seed(seed);
+        let mut buffer =
+            match block.leaves.iter().any(|l| l.dims.first() == Some(&ArrayLen::Runtime)) {
+                true => Buffer::with_tail(&block, 3).unwrap(),
+                false => Buffer::new(&block).unwrap(),
+            };
+        let mut bytes = vec![0u8; buffer.bytes().len()];
+        for leaf in &block.leaves {
+            let (offsets, width, kind) = components(leaf);
+            let rows = match &leaf.ty {
+                Type::Matrix { rows, .. } | Type::Vector { rows, .. } => usize::from(*rows),
+                _ => 1,
+            };
+            for (path, start) in elements(leaf, buffer.tail_len() as u64) {
+                for (i, offset) in offsets.iter().enumerate() {
+                    let path = match &leaf.ty {
+                        Type::Matrix { .. } => format!("{path}[{}][{}]", i / rows, i % rows),
+                        Type::Vector { .. } => format!("{path}[{i}]"),
+                        _ => path.clone(),
+                    };
+                    let at = (start + offset) as usize;
+                    // Halves are set from f32, which has no room for their NaN's payload.
+                    let bits = match (kind, width) {
+                        (ScalarKind::Float, 2) => {
+                            buffer.set(&path, 0.333_333_34f32).unwrap();
+                            0x3555
+                        }
+                        _ => {
+                            let bits = random_bits(&mut rng, width, kind);
+                            set(&mut buffer, &path, kind, width, bits);
+                            bits
+                        }
+                    };
+                    bytes[at..at + width as usize]
+                        .copy_from_slice(&bits.to_le_bytes()[..width as usize]);
+                }
+            }
+        }
+        assert!(buffer.bytes() == bytes, "seed {seed}\n{shader}");
+        for range in buffer.dirty(0) {
+            bytes[range].fill(0);
+        }
+        assert!(
+            bytes.iter().all(|&byte| byte == 0),
+            "written but not dirty: seed {seed}\n{shader}"
+        );
+    }
 }
