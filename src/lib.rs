@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod buffer;
 pub mod diagnostic;
 pub mod emit;
 pub mod error;
@@ -9,6 +10,7 @@ pub mod parse;
 pub mod shape;
 pub mod source;
 
+pub use buffer::{Buffer, BufferError};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::Error;
 pub use layout::{BlockLayout, Leaf, MemberLayout};

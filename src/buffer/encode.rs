@@ -1,0 +1,298 @@
+//! JSON values to the bytes of a block.
+//!
+//! Objects are structures, arrays are arrays, vectors, and matrices as their columns; components
+//! are as [`Datum`](super::Datum) writes them. A key may also be a path: `"data[3].color"`.
+
+use std::collections::HashSet;
+
+use serde_json::{Map, Value};
+
+use super::error::BufferError;
+use super::grid::{Extent, Grid, Tail, language};
+use super::json::{EncodeError, kind};
+use super::number::{Unfit, bits};
+use super::resolve::{Place, What, resolve_in, spelled};
+use super::value::put_bits;
+use super::zeroes;
+use crate::layout::{BlockLayout, MemberLayout};
+use crate::shape::{ArrayLen, Scalar};
+
+/// What becomes of members, and elements at the end of arrays, that are not given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Missing {
+    /// They are zero.
+    Zero,
+    /// They are an error.
+    Error,
+}
+
+/// Makes the bytes of a block from JSON; padding is zero.
+///
+/// A runtime-sized array at the end gets as many elements as are given.
+///
+/// # Errors
+/// A block whose length is not known; keys that are no member; values that are not what the
+/// shader's type wants; members that are not given, when `missing` says so.
+pub fn encode(
+    block: &BlockLayout,
+    values: &Value,
+    missing: Missing,
+) -> Result<Vec<u8>, EncodeError> {
+    let extent = Extent::of(block).map_err(EncodeError::Block)?;
+    let tail = match (&extent.tail, values) {
+        (Some(tail), Value::Object(map)) => elements(block, tail, map),
+        _ => 0,
+    };
+    let bytes = zeroes(block, &extent, tail).map_err(EncodeError::Block)?;
+    let given = vec![0; bytes.len() / 64 + 1];
+    let mut encoder = Encoder { block, tail, bytes, given, path: String::new() };
+    encoder.value(Place::BLOCK, values)?;
+    match missing {
+        Missing::Zero => Ok(encoder.bytes),
+        Missing::Error => {
+            encoder.path.clear();
+            match encoder.is_complete(Place::BLOCK) {
+                true => Ok(encoder.bytes),
+                false => Err(EncodeError::Missing { path: encoder.path }),
+            }
+        }
+    }
+}
+
+/// Elements of the tail that an object speaks of, under any spelling.
+fn elements(block: &BlockLayout, tail: &Tail, map: &Map<String, Value>) -> usize {
+    let own = [block.instance.as_deref(), Some(&*block.name)];
+    let of_entry = |(key, value): (&String, &Value)| {
+        let prefix = own.iter().flatten().find_map(|name| key.strip_prefix(name));
+        let within = prefix.and_then(|rest| rest.strip_prefix('.')).unwrap_or(key);
+        match (prefix, within.strip_prefix(tail.name.as_str()), value) {
+            (Some(""), _, Value::Object(inner)) if *key != tail.name => {
+                elements(block, tail, inner)
+            }
+            (_, Some(""), Value::Array(items)) => items.len(),
+            (_, Some(rest), _) => {
+                let digits = rest.strip_prefix('[').and_then(|rest| rest.split(']').next());
+                let index = digits.and_then(|digits| digits.parse::<usize>().ok());
+                index.map_or(0, |index| index.saturating_add(1))
+            }
+            _ => 0,
+        }
+    };
+    map.iter().map(of_entry).max().unwrap_or(0)
+}
+
+struct Encoder<'b> {
+    block: &'b BlockLayout,
+    /// Elements of the runtime-sized array.
+    tail: usize,
+    bytes: Vec<u8>,
+    /// A bit for each byte that a component was written to the start of.
+    given: Vec<u64>,
+    /// Where in the JSON it is.
+    path: String,
+}
+
+impl<'b> Encoder<'b> {
+    fn value(&mut self, place: Place<'b>, value: &Value) -> Result<(), EncodeError> {
+        match place.what {
+            What::Block => self.object(&self.block.members, place, value),
+            What::Struct(member) => self.object(&member.members, place, value),
+            What::Array(member, dim) => self.array(place, member, dim, value),
+            What::Leaf(grid) => self.leaf(place.offset as usize, grid, value),
+        }
+    }
+
+    fn object(
+        &mut self,
+        members: &'b [MemberLayout],
+        place: Place<'b>,
+        value: &Value,
+    ) -> Result<(), EncodeError> {
+        let Value::Object(map) = value else {
+            return Err(self.wrong(place.what, "an object of its members", value));
+        };
+        let mut found = 0;
+        for member in members {
+            if found == map.len() {
+                return Ok(());
+            }
+            if let Some(value) = map.get(&*member.name) {
+                found += 1;
+                self.at(&member.name, |encoder| encoder.value(place.member(member), value))?;
+            }
+        }
+        if found == map.len() {
+            return Ok(());
+        }
+        let names: HashSet<&str> = members.iter().map(|m| &*m.name).collect();
+        for (key, value) in map.iter().filter(|(key, _)| !names.contains(key.as_str())) {
+            let named = resolve_in(self.block, self.tail, key, place)
+                .map_err(|error| self.no_key(error))?;
+            self.at(key, |encoder| encoder.value(named, value))?;
+        }
+        Ok(())
+    }
+
+    fn array(
+        &mut self,
+        place: Place<'b>,
+        member: &'b MemberLayout,
+        dim: usize,
+        value: &Value,
+    ) -> Result<(), EncodeError> {
+        let Value::Array(items) = value else {
+            return Err(self.wrong(place.what, "an array", value));
+        };
+        let len = self.len(member, dim);
+        if items.len() as u64 > len {
+            return Err(self.length(spelled(self.block, place.what), len, items));
+        }
+        for (index, item) in items.iter().enumerate() {
+            let element = place.element(member, dim, index as u64);
+            self.index(index, |encoder| encoder.value(element, item))?;
+        }
+        Ok(())
+    }
+
+    fn leaf(&mut self, offset: usize, grid: Grid, value: &Value) -> Result<(), EncodeError> {
+        let (columns, rows) = (usize::from(grid.columns), usize::from(grid.rows));
+        let (len, wanted) = match (columns, rows) {
+            (1, 1) => return self.cell(offset, grid.scalar, value),
+            (1, rows) => (rows, format!("an array of {rows} numbers")),
+            (columns, rows) => (columns, format!("an array of {columns} columns of {rows}")),
+        };
+        let Value::Array(items) = value else {
+            return Err(self.wrong(What::Leaf(grid), &wanted, value));
+        };
+        if items.len() != len {
+            let ty = grid.spelled(language(self.block));
+            return Err(self.length(ty, len as u64, items));
+        }
+        for (index, item) in items.iter().enumerate() {
+            let (at, inner) = match columns {
+                1 => (grid.component(0, index), grid.cell()),
+                _ => (grid.component(index, 0), grid.column()),
+            };
+            self.index(index, |encoder| encoder.leaf(offset + at, inner, item))?;
+        }
+        Ok(())
+    }
+
+    fn cell(&mut self, offset: usize, scalar: Scalar, value: &Value) -> Result<(), EncodeError> {
+        let at = || self.path.clone();
+        let ty = || {
+            let ty = crate::shape::Type::Scalar(scalar);
+            ty.spelled(language(self.block)).to_string()
+        };
+        let bits = bits(scalar, value).map_err(|unfit| match unfit {
+            Unfit::Kind(wanted) => {
+                let (wanted, found) = (wanted.to_string(), kind(value));
+                EncodeError::Kind { at: at(), ty: ty(), wanted, found }
+            }
+            Unfit::Range => EncodeError::Range { at: at(), ty: ty(), found: kind(value) },
+        })?;
+        let bit = 1 << (offset % 64);
+        if self.given[offset / 64] & bit != 0 {
+            return Err(EncodeError::Twice { at: at() });
+        }
+        self.given[offset / 64] |= bit;
+        put_bits(bits, &mut self.bytes[offset..offset + usize::from(scalar.width)]);
+        Ok(())
+    }
+
+    /// Whether every component from a place on was given; if not, `path` names the first.
+    fn is_complete(&mut self, place: Place<'b>) -> bool {
+        match place.what {
+            What::Block => self.are_complete(&self.block.members, place),
+            What::Struct(member) => self.are_complete(&member.members, place),
+            What::Array(member, dim) => (0..self.len(member, dim)).all(|index| {
+                let element = place.element(member, dim, index);
+                let before = self.path.len();
+                self.path.push_str(&format!("[{index}]"));
+                self.is_complete(element) && {
+                    self.path.truncate(before);
+                    true
+                }
+            }),
+            What::Leaf(grid) => grid.cells().all(|(column, row)| {
+                let at = place.offset as usize + grid.component(column, row);
+                self.given[at / 64] & 1 << (at % 64) != 0
+            }),
+        }
+    }
+
+    fn are_complete(&mut self, members: &'b [MemberLayout], place: Place<'b>) -> bool {
+        members.iter().all(|member| {
+            let before = self.path.len();
+            let dot = if before > 0 { "." } else { "" };
+            self.path.push_str(&format!("{dot}{}", member.name));
+            self.is_complete(place.member(member)) && {
+                self.path.truncate(before);
+                true
+            }
+        })
+    }
+
+    fn len(&self, member: &MemberLayout, dim: usize) -> u64 {
+        match member.dims[dim] {
+            ArrayLen::Fixed(len) => len.into(),
+            ArrayLen::Runtime | ArrayLen::Override(_) => self.tail as u64,
+        }
+    }
+
+    /// Does something below a key.
+    fn at<R>(&mut self, key: &str, then: impl FnOnce(&mut Self) -> R) -> R {
+        let before = self.path.len();
+        if before > 0 {
+            self.path.push('.');
+        }
+        self.path.push_str(key);
+        let result = then(self);
+        self.path.truncate(before);
+        result
+    }
+
+    /// Does something below an index.
+    fn index<R>(&mut self, index: usize, then: impl FnOnce(&mut Self) -> R) -> R {
+        let before = self.path.len();
+        self.path.push_str(&format!("[{index}]"));
+        let result = then(self);
+        self.path.truncate(before);
+        result
+    }
+
+    /// A key that names nothing in the object where it stands.
+    fn no_key(&self, error: BufferError) -> EncodeError {
+        let at = self.path.clone();
+        let below = |path: String| if at.is_empty() { path } else { format!("{at}.{path}") };
+        let error = match error {
+            BufferError::UnknownPath { path, name, inside, nearest } => BufferError::UnknownPath {
+                path: below(path),
+                name,
+                inside: if inside.is_empty() { at.clone() } else { below(inside) },
+                nearest: nearest.map(below),
+            },
+            error => return EncodeError::Key { at, error },
+        };
+        EncodeError::Key { at: String::new(), error }
+    }
+
+    fn wrong(&self, what: What<'_>, wanted: &str, found: &Value) -> EncodeError {
+        EncodeError::Kind {
+            at: self.path.clone(),
+            ty: spelled(self.block, what),
+            wanted: wanted.to_string(),
+            found: kind(found),
+        }
+    }
+
+    fn length(&self, ty: String, wanted: u64, items: &[Value]) -> EncodeError {
+        EncodeError::Length { at: self.path.clone(), ty, wanted, found: items.len() as u64 }
+    }
+}
+
+impl From<BufferError> for EncodeError {
+    fn from(error: BufferError) -> EncodeError {
+        EncodeError::Block(error)
+    }
+}

@@ -1,0 +1,136 @@
+//! Why bytes could not be set, read or made by name.
+
+use std::fmt;
+
+/// Why a [`Buffer`](super::Buffer) refused; nothing was written.
+#[derive(Clone, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum BufferError {
+    /// Loose uniforms are set one by one: they have no bytes.
+    NoBytes { block: String },
+    /// A size depends on a specialisation constant or override without a value.
+    Unsized { block: String, path: String, name: String },
+    /// The block ends in a runtime-sized array: how many elements must be said.
+    NeedsTail { block: String, path: String },
+    /// The block does not end in a runtime-sized array.
+    NoTail { block: String },
+    /// More bytes than a block may have, or than this machine can hold.
+    TooLarge { block: String, bytes: u64 },
+    /// A path that is not one: byte `at` is not what must stand there.
+    Malformed { path: String, at: usize, expected: &'static str },
+    /// No such member; `inside` is what was understood of the path.
+    UnknownPath { path: String, name: String, inside: String, nearest: Option<String> },
+    /// The path stops at a structure or array; `next` is how it could go on.
+    NotALeaf { path: String, ty: String, next: String },
+    /// An index on something that is no array.
+    NotAnArray { path: String, ty: String },
+    /// `[]` where a number is wanted, or no brackets at all.
+    MissingIndex { path: String, len: u64 },
+    /// An index at or past the end.
+    OutOfRange { path: String, index: u64, len: u64 },
+    /// An index past the elements that this buffer's runtime-sized tail was made with.
+    TailTooShort { path: String, index: u64, len: u64 },
+    /// The value's type is not the shader's.
+    WrongType { path: String, shader: String, given: String, wanted: String },
+    /// A mirror of another size.
+    WrongSize { path: String, shader: String, wanted: u64, given: u64 },
+    /// Bytes past the end.
+    OutOfBounds { offset: u64, size: u64, len: u64 },
+    /// Bytes for a block of another length; `cut` is the member where they end.
+    WrongLength { block: String, wanted: u64, given: u64, cut: Option<String> },
+    /// A handle made for a block that is laid out differently.
+    OtherBlock { block: String },
+    /// A handle with more or fewer arrays on the way than indices were given.
+    WrongIndices { path: String, wanted: usize, given: usize },
+}
+
+impl fmt::Display for BufferError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BufferError::NoBytes { block } => write!(
+                f,
+                "`{block}` has no bytes: loose uniforms are set one by one\n\
+                 help: lay them out as one block with `gather`"
+            ),
+            BufferError::Unsized { block, path, name } => write!(
+                f,
+                "`{block}` has no fixed size: the length of `{path}` is `{name}`, \
+                 which has no value\nhelp: give it one with `-O {name}=…`"
+            ),
+            BufferError::NeedsTail { block, path } => write!(
+                f,
+                "`{block}` ends in the runtime-sized array `{path}`\n\
+                 help: say how many elements it has with `Buffer::with_tail`"
+            ),
+            BufferError::NoTail { block } => write!(
+                f,
+                "`{block}` does not end in a runtime-sized array\nhelp: use `Buffer::new`"
+            ),
+            BufferError::TooLarge { block, bytes } => {
+                write!(f, "`{block}` would be {bytes} bytes, more than can be held")
+            }
+            BufferError::Malformed { path, at, expected } => {
+                write!(f, "`{path}` is not a path: expected {expected} at byte {at}")
+            }
+            BufferError::UnknownPath { path, name, inside, nearest } => {
+                match inside.as_str() {
+                    "" => write!(f, "no member `{name}` in the block (path `{path}`)")?,
+                    inside => write!(f, "no member `{name}` in `{inside}` (path `{path}`)")?,
+                }
+                match nearest {
+                    Some(nearest) => write!(f, "\nhelp: did you mean `{nearest}`?"),
+                    None => Ok(()),
+                }
+            }
+            BufferError::NotALeaf { path, ty, next } => {
+                write!(f, "`{path}` is `{ty}`, not a single value\nhelp: go on with {next}")
+            }
+            BufferError::NotAnArray { path, ty } => {
+                write!(f, "`{path}` is `{ty}` and takes no further index or component")
+            }
+            BufferError::MissingIndex { path, len } => {
+                write!(f, "`{path}` lacks the index of an array of {len} elements")
+            }
+            BufferError::OutOfRange { path, index, len } => {
+                write!(f, "index {index} in `{path}` is out of range: the length is {len}")
+            }
+            BufferError::TailTooShort { path, index, len } => write!(
+                f,
+                "index {index} in `{path}` is out of range: the runtime-sized array of this \
+                 buffer was made with {len} elements"
+            ),
+            BufferError::WrongType { path, shader, given, wanted } => {
+                write!(f, "`{path}` is `{shader}`, not `{given}`\nhelp: use `{wanted}`")
+            }
+            BufferError::WrongSize { path, shader, wanted, given } => write!(
+                f,
+                "`{path}` is `{shader}` of {wanted} bytes, but the mirror has {given} bytes"
+            ),
+            BufferError::OutOfBounds { offset, size, len } => {
+                write!(f, "{size} bytes at offset {offset} end past the buffer's {len} bytes")
+            }
+            BufferError::WrongLength { block, wanted, given, cut } => {
+                write!(f, "`{block}` has {wanted} bytes, but {given} bytes were given")?;
+                match cut {
+                    Some(path) => write!(f, ": they end before or in `{path}`"),
+                    None => Ok(()),
+                }
+            }
+            BufferError::OtherBlock { block } => {
+                write!(f, "the handle was made for another block than `{block}`")
+            }
+            BufferError::WrongIndices { path, wanted, given } => {
+                write!(f, "`{path}` takes {wanted} indices, but {given} were given")
+            }
+        }
+    }
+}
+
+/// `main` prints errors through `Debug`, so it reads like `Display`.
+impl fmt::Debug for BufferError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl std::error::Error for BufferError {}

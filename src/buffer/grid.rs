@@ -1,0 +1,193 @@
+//! Where the components of one leaf lie, and what a buffer must know of a block's size.
+//!
+//! Reads the [model](crate::layout()), feeds everything else in this module.
+
+use super::error::BufferError;
+use crate::layout::{BlockLayout, LARGEST_BLOCK, MemberLayout};
+use crate::shape::{ArrayLen, Rules, Scalar, Type};
+use crate::source::Language;
+
+/// A scalar, vector or matrix in the bytes: component (column c, row r) starts at
+/// `c * column_step + r * row_step`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Grid {
+    pub scalar: Scalar,
+    pub columns: u8,
+    pub rows: u8,
+    pub column_step: usize,
+    pub row_step: usize,
+}
+
+impl Grid {
+    /// The grid of a leaf type; `None` for structures and arrays.
+    pub fn of(ty: &Type, matrix_stride: Option<u64>, row_major: bool) -> Option<Grid> {
+        let vector = |scalar: Scalar, rows| Grid {
+            scalar,
+            columns: 1,
+            rows,
+            column_step: 0,
+            row_step: scalar.width.into(),
+        };
+        match ty {
+            Type::Scalar(scalar) | Type::Atomic(scalar) => Some(vector(*scalar, 1)),
+            Type::Address(_) => Some(vector(Scalar::U64, 1)),
+            Type::Vector { scalar, rows } => Some(vector(*scalar, *rows)),
+            Type::Matrix { scalar, columns, rows } => {
+                let stride = usize::try_from(matrix_stride.unwrap_or(0)).ok()?;
+                let width = usize::from(scalar.width);
+                let (column_step, row_step) =
+                    if row_major { (width, stride) } else { (stride, width) };
+                let (columns, rows) = (*columns, *rows);
+                Some(Grid { scalar: *scalar, columns, rows, column_step, row_step })
+            }
+            Type::Struct(_) | Type::Array { .. } => None,
+        }
+    }
+
+    /// The grid of the leaves of a member; `None` when it is a structure.
+    pub fn of_member(member: &MemberLayout) -> Option<Grid> {
+        Grid::of(member.ty.innermost(), member.matrix_stride, member.row_major)
+    }
+
+    /// Where a component starts.
+    pub fn component(&self, column: usize, row: usize) -> usize {
+        column * self.column_step + row * self.row_step
+    }
+
+    /// From the first byte of the first component to the last byte of the last.
+    pub fn span(&self) -> usize {
+        let last = self.component(usize::from(self.columns) - 1, usize::from(self.rows) - 1);
+        last + usize::from(self.scalar.width)
+    }
+
+    /// Every column and row, columns outermost.
+    pub fn cells(self) -> impl Iterator<Item = (usize, usize)> {
+        (0..usize::from(self.columns))
+            .flat_map(move |c| (0..usize::from(self.rows)).map(move |r| (c, r)))
+    }
+
+    /// Whether the components follow each other without a gap, column by column.
+    pub fn is_plain(&self) -> bool {
+        let width = usize::from(self.scalar.width);
+        let rows = usize::from(self.rows);
+        (rows == 1 || self.row_step == width)
+            && (self.columns == 1 || self.column_step == width * rows)
+    }
+
+    /// One column, as a vector.
+    pub fn column(self) -> Grid {
+        Grid { columns: 1, column_step: 0, ..self }
+    }
+
+    /// One component, as a scalar.
+    pub fn cell(self) -> Grid {
+        Grid { rows: 1, row_step: 0, ..self.column() }
+    }
+
+    /// The type in a language's spelling.
+    pub fn spelled(&self, language: Language) -> String {
+        let (scalar, columns, rows) = (self.scalar, self.columns, self.rows);
+        let ty = match (columns, rows) {
+            (1, 1) => Type::Scalar(scalar),
+            (1, _) => Type::Vector { scalar, rows },
+            _ => Type::Matrix { scalar, columns, rows },
+        };
+        ty.spelled(language).to_string()
+    }
+}
+
+/// An array dimension on the way to a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Dim {
+    /// `None` when runtime-sized: as many as the buffer was made with.
+    pub len: Option<usize>,
+    pub stride: usize,
+}
+
+/// The language whose spelling messages about a block use.
+pub(crate) fn language(block: &BlockLayout) -> Language {
+    match block.rules {
+        Rules::Wgsl => Language::Wgsl,
+        Rules::Std140 | Rules::Std430 | Rules::Scalar => Language::Glsl,
+    }
+}
+
+/// The bytes of a block that a buffer can hold.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Extent {
+    /// What a buffer must hold, a runtime-sized tail counted with one element.
+    pub size: usize,
+    /// End of the last member, a runtime-sized one left out.
+    pub fixed_end: usize,
+    /// The runtime-sized array at the end.
+    pub tail: Option<Tail>,
+}
+
+/// A runtime-sized array at the end of a block.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Tail {
+    pub name: String,
+    pub offset: usize,
+    pub stride: usize,
+}
+
+impl Extent {
+    /// Bytes for that many elements of the tail; `None` when past every limit.
+    ///
+    /// Not a byte more than [`size`](Self::size) and the elements need: a shader counts the
+    /// elements of a runtime-sized array from the bytes that are bound.
+    pub fn bytes(&self, elements: usize) -> Option<usize> {
+        let Some(tail) = &self.tail else { return Some(self.size) };
+        let end = tail.stride.checked_mul(elements)?.checked_add(tail.offset)?;
+        let bytes = end.max(self.size);
+        (bytes as u64 <= LARGEST_BLOCK).then_some(bytes)
+    }
+
+    /// Elements of the tail that a shader finds in that many bytes.
+    pub fn elements(&self, bytes: usize) -> usize {
+        match &self.tail {
+            Some(tail) => bytes.saturating_sub(tail.offset) / tail.stride.max(1),
+            None => 0,
+        }
+    }
+
+    /// What a block needs.
+    ///
+    /// # Errors
+    /// [`BufferError::NoBytes`], [`BufferError::Unsized`], [`BufferError::TooLarge`].
+    pub fn of(block: &BlockLayout) -> Result<Extent, BufferError> {
+        let name = || block.name.to_string();
+        let Some((size, data_size)) = block.size.zip(block.data_size) else {
+            return Err(BufferError::NoBytes { block: name() });
+        };
+        let too_large = |bytes| BufferError::TooLarge { block: name(), bytes };
+        let whole = |bytes: u64| usize::try_from(bytes).map_err(|_| too_large(bytes));
+        for leaf in &block.leaves {
+            for (at, len) in leaf.dims.iter().enumerate() {
+                let unsized_by = match len {
+                    ArrayLen::Override(by) => by.to_string(),
+                    ArrayLen::Runtime if at > 0 => "[]".to_string(),
+                    ArrayLen::Runtime | ArrayLen::Fixed(_) => continue,
+                };
+                let path = leaf.path.clone();
+                return Err(BufferError::Unsized { block: name(), path, name: unsized_by });
+            }
+        }
+        let mut fixed_end = 0;
+        let mut tail = None;
+        for member in &block.members {
+            let offset = whole(member.offset.unwrap_or(0))?;
+            match (member.dims.first(), member.strides.first()) {
+                (Some(ArrayLen::Runtime), Some(&stride)) => {
+                    let (name, stride) = (member.name.to_string(), whole(stride)?);
+                    tail = Some(Tail { name, offset, stride });
+                }
+                _ => fixed_end = fixed_end.max(offset + whole(member.size.unwrap_or(0))?),
+            }
+        }
+        if tail.is_none() {
+            fixed_end = whole(data_size)?;
+        }
+        Ok(Extent { size: whole(size)?, fixed_end, tail })
+    }
+}

@@ -1,0 +1,321 @@
+//! The leaves of a block as an automaton over their paths, so that a path is found without a
+//! search and without a copy.
+//!
+//! A path is read in chunks: 8 bytes, or fewer up to and with a `[`, or what is left. The digits
+//! after a `[` are the index of the array that everything read so far names; reading goes on at
+//! the `]`. Each chunk is a step from one state to the next, found in a hash table by state and
+//! chunk, so what was found is exact and every stride is at hand when its index is. What is not
+//! found here, whether another spelling or an error, goes to [`resolve`](super::resolve).
+
+use std::hash::Hasher;
+
+use rustc_hash::FxHasher;
+
+use super::grid::{Dim, Grid};
+use super::value::code;
+use crate::layout::BlockLayout;
+use crate::shape::ArrayLen;
+
+/// The leaves of a block by path.
+#[derive(Debug)]
+pub(crate) struct Index {
+    /// A power of two of slots, probed one after the other from the hash on.
+    slots: Box<[Step]>,
+    /// The same for any two blocks laid out alike.
+    pub fingerprint: u64,
+}
+
+/// A chunk that leads from one state to the next; one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Step {
+    /// Its bytes, the first one lowest; no name has a zero byte.
+    chunk: u64,
+    /// The state before it.
+    from: u32,
+    /// The state after it; [`NOWHERE`] in a free slot.
+    to: u32,
+    /// How many bytes it has.
+    size: usize,
+    /// The array whose index follows, when it ends in `[`.
+    dim: Dim,
+    /// The leaf, when a path may end here.
+    row: Row,
+}
+
+/// A leaf as setting it needs it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    /// Of its first element.
+    pub offset: usize,
+    /// The [`code`] of its type; [`NO_CODE`] where its components do not follow each other
+    /// without a gap, or no path ends.
+    pub code: u32,
+}
+
+/// No type has this code.
+pub(crate) const NO_CODE: u32 = u32::MAX;
+
+const START: u32 = 0;
+const NOWHERE: u32 = u32::MAX;
+
+/// Slots probed before giving up; a leaf that needs more is left to `resolve`, so that names made
+/// to collide cost no more than others.
+const PROBES: usize = 16;
+
+const FREE: Step = Step {
+    chunk: 0,
+    from: NOWHERE,
+    to: NOWHERE,
+    size: 0,
+    dim: Dim { len: None, stride: 0 },
+    row: Row { offset: 0, code: NO_CODE },
+};
+
+impl Index {
+    /// The index of a block whose size is known to fit.
+    pub fn of(block: &BlockLayout) -> Index {
+        let chunks: usize = block.leaves.iter().map(|leaf| leaf.path.len() / 8 + 2).sum();
+        let dims: usize = block.leaves.iter().map(|leaf| leaf.dims.len()).sum();
+        // Most of a small table is free, so that steps seldom meet; a large one is to stay small.
+        let sparse = if chunks + dims < 1000 { 8 } else { 2 };
+        let bits = (sparse * (chunks + dims)).next_power_of_two().trailing_zeros().max(4);
+        let slots = vec![FREE; 1 << bits].into();
+        let mut index = Index { slots, fingerprint: fingerprint(block) };
+        let mut states = START;
+        for leaf in &block.leaves {
+            let grid = Grid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major);
+            let offset = leaf.offset.and_then(|offset| usize::try_from(offset).ok());
+            let Some((grid, offset)) = grid.zip(offset).filter(|(grid, _)| grid.is_plain()) else {
+                continue;
+            };
+            let mut dims = leaf.dims.iter().zip(&leaf.strides).map(|(len, &stride)| Dim {
+                len: match len {
+                    ArrayLen::Fixed(len) => Some(*len as usize),
+                    ArrayLen::Runtime | ArrayLen::Override(_) => None,
+                },
+                // A stride is less than the block's size, which fits.
+                stride: stride as usize,
+            });
+            let path = leaf.path.as_bytes();
+            let text = Text::of(path);
+            let (mut state, mut at) = (START, 0);
+            while at < path.len() {
+                let (chunk, size, opens) = chunk(text, at);
+                at += size;
+                let Some(slot) = index.slot_for(state, chunk) else { break };
+                let step = &mut index.slots[slot];
+                if step.to == NOWHERE {
+                    states += 1;
+                    *step = Step { chunk, from: state, to: states, size, ..FREE };
+                }
+                if opens {
+                    step.dim = dims.next().unwrap_or(FREE.dim);
+                }
+                if at == path.len() {
+                    step.row = Row { offset, code: code(grid.scalar, grid.columns, grid.rows) };
+                }
+                state = step.to;
+            }
+        }
+        index
+    }
+
+    /// The leaf that a path names, at the offset of the element; `None` when it takes more
+    /// thought. `tail` is the length of a runtime-sized dimension.
+    #[inline]
+    pub fn find(&self, path: &str, tail: usize) -> Option<Row> {
+        let path = path.as_bytes();
+        let text = Text::of(path);
+        let (mut state, mut at, mut offset) = (START, 0, 0);
+        loop {
+            let (chunk, size, opens) = chunk(text, at);
+            at += size;
+            let step = self.step(state, chunk)?;
+            state = step.to;
+            if opens {
+                let (index, end) = number(path, at)?;
+                if index >= step.dim.len.unwrap_or(tail) {
+                    return None;
+                }
+                at = end;
+                offset += index * step.dim.stride;
+            } else if at >= path.len() {
+                // Zero bytes at the end are the one thing that a chunk does not tell.
+                let code = if size == step.size { step.row.code } else { NO_CODE };
+                return Some(Row { offset: step.row.offset + offset, code });
+            }
+        }
+    }
+
+    #[inline]
+    fn step(&self, state: u32, chunk: u64) -> Option<&Step> {
+        let home = self.home(state, chunk);
+        let step = self.slots.get(home)?;
+        if step.chunk == chunk && step.from == state {
+            return Some(step);
+        }
+        self.probe(home, state, chunk)
+    }
+
+    #[inline(never)]
+    fn probe(&self, home: usize, state: u32, chunk: u64) -> Option<&Step> {
+        (1..PROBES)
+            .map(|probe| &self.slots[(home + probe) & (self.slots.len() - 1)])
+            .take_while(|step| step.to != NOWHERE)
+            .find(|step| step.chunk == chunk && step.from == state)
+    }
+
+    /// The slot of a step, or the free one that it is to take.
+    fn slot_for(&self, state: u32, chunk: u64) -> Option<usize> {
+        let home = self.home(state, chunk);
+        (0..PROBES).map(|probe| (home + probe) & (self.slots.len() - 1)).find(|&slot| {
+            let step = &self.slots[slot];
+            step.to == NOWHERE || (step.chunk == chunk && step.from == state)
+        })
+    }
+
+    #[inline]
+    fn home(&self, state: u32, chunk: u64) -> usize {
+        let mixed = chunk ^ u64::from(state).rotate_right(8);
+        (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & (self.slots.len() - 1)
+    }
+}
+
+/// A byte in each of 8.
+const fn each(byte: u8) -> u64 {
+    u64::from_le_bytes([byte; 8])
+}
+
+/// A path to be read 8 bytes at a time.
+#[derive(Clone, Copy)]
+struct Text<'p> {
+    bytes: &'p [u8],
+    /// Its last 8 bytes, the very last one highest; zeros before a shorter one.
+    last: u64,
+}
+
+impl<'p> Text<'p> {
+    #[inline]
+    fn of(bytes: &'p [u8]) -> Text<'p> {
+        let last = match bytes.last_chunk() {
+            Some(last) => u64::from_le_bytes(*last),
+            None => bytes.iter().fold(0, |word, &byte| word >> 8 | u64::from(byte) << 56),
+        };
+        Text { bytes, last }
+    }
+
+    /// The 8 bytes from `at` on, the first one lowest, and how many there are: those past the
+    /// end are zero.
+    #[inline]
+    fn word(self, at: usize) -> (u64, usize) {
+        let have = self.bytes.len().saturating_sub(at);
+        if have < 8 {
+            // No bytes are a shift by 64.
+            return (self.last.checked_shr(64 - 8 * have as u32).unwrap_or(0), have);
+        }
+        match self.bytes.get(at..).and_then(<[u8]>::first_chunk) {
+            Some(word) => (u64::from_le_bytes(*word), 8),
+            None => (0, 0),
+        }
+    }
+}
+
+/// The high bit of the first byte of a word that is `byte`, or 0.
+#[inline]
+fn first(word: u64, byte: u64) -> u64 {
+    let differs = word ^ byte;
+    // Those above the lowest may be set wrongly.
+    let found = differs.wrapping_sub(each(1)) & !differs & each(0x80);
+    found & found.wrapping_neg()
+}
+
+/// The chunk of a path that starts at `at`: its bytes, how many, and whether it ends in `[`.
+#[inline]
+fn chunk(path: Text<'_>, at: usize) -> (u64, usize, bool) {
+    let (word, have) = path.word(at);
+    let bracket = first(word, const { each(b'[') });
+    if bracket == 0 {
+        return (word, have, false);
+    }
+    // All bits up to that one.
+    (word & (bracket | (bracket - 1)), bracket.trailing_zeros() as usize / 8 + 1, true)
+}
+
+/// The number of 1 to 9 digits that starts at `at`, and where it ends.
+///
+/// Few enough for a loop to be faster than arithmetic on all digits at once.
+#[inline]
+fn number(path: &[u8], at: usize) -> Option<(usize, usize)> {
+    let digit = |at: usize| path.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|&d| d < 10);
+    let mut number = usize::from(digit(at)?);
+    let mut end = at + 1;
+    while let Some(digit) = digit(end) {
+        // Nine digits cannot overflow on any machine.
+        if end - at == 9 {
+            return None;
+        }
+        number = number * 10 + usize::from(digit);
+        end += 1;
+    }
+    Some((number, end))
+}
+
+/// The same for any two blocks laid out alike.
+fn fingerprint(block: &BlockLayout) -> u64 {
+    let mut print = FxHasher::default();
+    for leaf in &block.leaves {
+        print.write(leaf.path.as_bytes());
+        print.write_u64(leaf.offset.unwrap_or(u64::MAX));
+        if let Some(grid) = Grid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major) {
+            print.write_u32(code(grid.scalar, grid.columns, grid.rows));
+            print.write_usize(grid.column_step);
+            print.write_usize(grid.row_step);
+        }
+        for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
+            print.write_u64(match len {
+                ArrayLen::Fixed(len) => u64::from(*len),
+                ArrayLen::Runtime | ArrayLen::Override(_) => u64::MAX,
+            });
+            print.write_u64(*stride);
+        }
+    }
+    print.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_1_to_9_digits() {
+        for text in ["0", "7", "37", "128", "9999", "00012", "654321", "999999999"] {
+            for (before, after) in [("data[", "].color"), ("d[", "]"), ("", "]"), ("", "")] {
+                let path = format!("{before}{text}{after}");
+                let wanted = Some((text.parse().unwrap(), before.len() + text.len()));
+                assert_eq!(number(path.as_bytes(), before.len()), wanted, "{path}");
+            }
+        }
+        for text in ["", "a", "a1", "-1", " 1", ":", "/", "1234567890", "\u{ff}", "\0"] {
+            assert_eq!(number(format!("data[{text}]").as_bytes(), 5), None, "{text}");
+        }
+        assert_eq!(number(b"data[", 5), None);
+    }
+
+    #[test]
+    fn chunks_end_after_a_bracket_after_8_bytes_or_at_the_end() {
+        let word =
+            |text: &str| text.bytes().rev().fold(0u64, |word, byte| word << 8 | u64::from(byte));
+        let chunk = |text: &[u8], at| chunk(Text::of(text), at);
+        let path = b"data[37].intensity";
+        assert_eq!(chunk(path, 0), (word("data["), 5, true));
+        assert_eq!(chunk(path, 7), (word("].intens"), 8, false));
+        assert_eq!(chunk(path, 15), (word("ity"), 3, false));
+        assert_eq!(chunk(path, 18), (0, 0, false));
+        assert_eq!(chunk(b"a[", 0), (word("a["), 2, true));
+        assert_eq!(chunk(b"count", 0), (word("count"), 5, false));
+        assert_eq!(chunk(b"[[[[[[[[", 0), (word("["), 1, true));
+        assert_eq!(chunk(b"Z[Z\\\\[Z[", 1), (word("["), 1, true));
+        assert_eq!(chunk(b"", 0), (0, 0, false));
+    }
+}

@@ -1,0 +1,154 @@
+//! Whole mirrors in and out: structures, arrays and blocks as `bytemuck` types.
+
+use bytemuck::Pod;
+
+use super::Buffer;
+use super::error::BufferError;
+use super::resolve::{What, data_size, resolve, size, spelled};
+
+/// Bytes of a place: what a mirror of it may occupy, and how many of those hold anything.
+struct Sizes {
+    offset: usize,
+    /// With the padding at its end.
+    size: usize,
+    /// Without.
+    data_size: usize,
+    /// The type, in the shader's spelling.
+    what: String,
+}
+
+impl Buffer {
+    /// Writes a mirror over what a path names: an element of an array of structures, a
+    /// structure, an array, a leaf, or with `""` the block (its part before a runtime-sized
+    /// array, if it ends in one).
+    ///
+    /// Its bytes are copied as they are, so that a mirror's own padding must be zero where that
+    /// matters; padding at the end is left out.
+    ///
+    /// # Errors
+    /// A path that names nothing, or a mirror of another size: as large as what it stands for,
+    /// padding at the end counted or not.
+    pub fn write_pod<T: Pod>(&mut self, path: &str, mirror: &T) -> Result<(), BufferError> {
+        let place = self.sizes(path)?;
+        check_size::<T>(path, &place)?;
+        let bytes = bytemuck::bytes_of(mirror);
+        let held = bytes.len().min(place.data_size);
+        self.write_bytes(place.offset, &bytes[..held])
+    }
+
+    /// Writes mirrors over elements of an array that follow each other: those of `data` from the
+    /// first on, those of `data[5]` from the sixth on.
+    ///
+    /// # Errors
+    /// A path that names no array or element of one, mirrors of another size than the distance
+    /// of elements, more mirrors than elements are left.
+    pub fn write_slice<T: Pod>(&mut self, path: &str, mirrors: &[T]) -> Result<(), BufferError> {
+        let place = resolve(self.block(), self.tail, path, None)?;
+        let (member, first) = match place.what {
+            What::Array(member, dim) if dim + 1 == member.dims.len() => (member, 0),
+            What::Struct(member) if path.ends_with(']') => (member, place.index),
+            what => {
+                let (path, ty) = (path.to_string(), spelled(self.block(), what));
+                return Err(BufferError::NotAnArray { path, ty });
+            }
+        };
+        let last = member.dims.len() - 1;
+        let stride = member.strides[last];
+        let given = size_of::<T>() as u64;
+        if given != stride {
+            let shader = format!("element of `{}`", member.name);
+            let path = path.to_string();
+            return Err(BufferError::WrongSize { path, shader, wanted: stride, given });
+        }
+        let len = match member.dims[last] {
+            crate::ArrayLen::Fixed(len) => u64::from(len),
+            crate::ArrayLen::Runtime | crate::ArrayLen::Override(_) => self.tail as u64,
+        };
+        let end = first + mirrors.len() as u64;
+        if end > len {
+            let path = path.to_string();
+            return Err(BufferError::OutOfRange { path, index: end - 1, len });
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(mirrors);
+        let element = super::resolve::element(member, member.dims.len());
+        let data = data_size(self.block(), element).unwrap_or(stride);
+        // The padding after the last element may be another member's place in scalar layout.
+        let held = bytes.len().saturating_sub((stride - data.min(stride)) as usize);
+        self.write_bytes(place.offset as usize, &bytes[..held])
+    }
+
+    /// Reads a mirror from what a path names; padding that the buffer does not hold is zero.
+    ///
+    /// # Errors
+    /// Those of [`write_pod`](Buffer::write_pod).
+    pub fn read_pod<T: Pod>(&self, path: &str) -> Result<T, BufferError> {
+        let place = self.sizes(path)?;
+        check_size::<T>(path, &place)?;
+        let mut mirror = T::zeroed();
+        let bytes = bytemuck::bytes_of_mut(&mut mirror);
+        let held = bytes.len().min(place.data_size);
+        let from = self.bytes.get(place.offset..place.offset + held);
+        bytes[..held].copy_from_slice(from.ok_or(BufferError::OutOfBounds {
+            offset: place.offset as u64,
+            size: held as u64,
+            len: self.bytes.len() as u64,
+        })?);
+        Ok(mirror)
+    }
+
+    /// Writes bytes at an offset, whatever stands there.
+    ///
+    /// # Errors
+    /// Bytes that would end past the buffer.
+    pub fn write_bytes(&mut self, offset: usize, bytes: &[u8]) -> Result<(), BufferError> {
+        let len = self.bytes.len() as u64;
+        let to = self.bytes.get_mut(offset..).and_then(|to| to.get_mut(..bytes.len()));
+        match to {
+            Some(to) => {
+                to.copy_from_slice(bytes);
+                self.dirty.mark(offset, bytes.len());
+                Ok(())
+            }
+            None => {
+                let (offset, size) = (offset as u64, bytes.len() as u64);
+                Err(BufferError::OutOfBounds { offset, size, len })
+            }
+        }
+    }
+
+    fn sizes(&self, path: &str) -> Result<Sizes, BufferError> {
+        let block = self.block();
+        let place = resolve(block, self.tail, path, None)?;
+        let extent = &self.compiled.extent;
+        let (whole, data) = match (place.what, &extent.tail) {
+            (What::Block, Some(tail)) => (tail.offset as u64, extent.fixed_end as u64),
+            (what, Some(tail)) if size(block, what).is_none() => {
+                let bytes = (tail.stride * self.tail) as u64;
+                (bytes, bytes)
+            }
+            (what, _) => {
+                let whole = size(block, what).unwrap_or(0);
+                (whole, data_size(block, what).unwrap_or(whole).min(whole))
+            }
+        };
+        Ok(Sizes {
+            offset: place.offset as usize,
+            size: whole as usize,
+            data_size: data as usize,
+            what: spelled(block, place.what),
+        })
+    }
+}
+
+fn check_size<T>(path: &str, place: &Sizes) -> Result<(), BufferError> {
+    let given = size_of::<T>();
+    if given == place.size || given == place.data_size {
+        return Ok(());
+    }
+    Err(BufferError::WrongSize {
+        path: path.to_string(),
+        shader: place.what.clone(),
+        wanted: place.size as u64,
+        given: given as u64,
+    })
+}

@@ -1,0 +1,324 @@
+//! Rust values that can stand for a scalar, vector or matrix of a shader.
+//!
+//! A component is a Rust number; `[T; N]` is a vector, `[[T; R]; C]` a `matCxR` as its C columns.
+//! Nothing is converted, except that `f32` is what 16-bit and 8-bit floats are set from and read
+//! as, because Rust has no such types. Vectors of a maths library come in and out as arrays
+//! (`glam::Vec3::to_array`, `Mat4::to_cols_array_2d`): a dependency on one would tie this crate
+//! to one of its yearly major versions. Or they are written whole, as
+//! [`bytemuck::Pod`], with [`Buffer::write_pod`](super::Buffer::write_pod).
+
+use super::float::{narrow, widen};
+use super::grid::Grid;
+use crate::shape::{Scalar, ScalarKind};
+
+/// A Rust number as a component of a shader's type.
+pub trait Component: Copy + Sealed {
+    /// Its name in Rust.
+    const NAME: &'static str;
+    /// Bytes it occupies in a buffer.
+    const WIDTH: usize;
+    /// The component it stands for.
+    #[doc(hidden)]
+    const SCALAR: Scalar;
+    /// Whether it stands for such a component.
+    #[doc(hidden)]
+    fn is(scalar: Scalar) -> Fit {
+        if scalar == Self::SCALAR { Fit::Same } else { Fit::No }
+    }
+    /// Writes [`WIDTH`](Self::WIDTH) bytes in the machine's order.
+    #[doc(hidden)]
+    fn put(self, out: &mut [u8]);
+    /// Reads [`WIDTH`](Self::WIDTH) bytes in the machine's order.
+    #[doc(hidden)]
+    fn take(from: &[u8]) -> Self;
+    /// Writes it as a component of another format: only for [`Fit::Narrowed`].
+    #[doc(hidden)]
+    fn put_as(self, scalar: Scalar, out: &mut [u8]);
+    /// Reads it from a component of another format: only for [`Fit::Narrowed`].
+    #[doc(hidden)]
+    fn take_as(scalar: Scalar, from: &[u8]) -> Self;
+}
+
+/// How a Rust number relates to a shader's component.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fit {
+    /// The same bytes.
+    Same,
+    /// The nearest number of a smaller format.
+    Narrowed,
+    /// Not at all.
+    No,
+}
+
+/// A Rust value as a scalar, vector or matrix.
+pub trait Value: Copy + Sealed {
+    /// What its components are.
+    #[doc(hidden)]
+    type Component: Component;
+    /// 1, or the columns of a matrix.
+    const COLUMNS: usize;
+    /// Components of a vector, or of a column.
+    const ROWS: usize;
+    /// Bytes it occupies without a gap.
+    #[doc(hidden)]
+    const BYTES: usize = Self::COLUMNS * Self::ROWS * Self::Component::WIDTH;
+    /// The [`code`] of its type.
+    #[doc(hidden)]
+    const CODE: u32 = code(Self::Component::SCALAR, Self::COLUMNS as u8, Self::ROWS as u8);
+    /// One component.
+    #[doc(hidden)]
+    fn component(&self, column: usize, row: usize) -> Self::Component;
+    /// The value of those components.
+    #[doc(hidden)]
+    fn build(cell: impl FnMut(usize, usize) -> Self::Component) -> Self;
+    /// Writes it without a gap; `out` holds [`BYTES`](Self::BYTES).
+    #[doc(hidden)]
+    #[inline]
+    fn store(&self, out: &mut [u8]) {
+        let width = Self::Component::WIDTH;
+        for column in 0..Self::COLUMNS {
+            for row in 0..Self::ROWS {
+                let at = (column * Self::ROWS + row) * width;
+                self.component(column, row).put(&mut out[at..at + width]);
+            }
+        }
+    }
+    /// Reads it without a gap; `from` holds [`BYTES`](Self::BYTES).
+    #[doc(hidden)]
+    #[inline]
+    fn fetch(from: &[u8]) -> Self {
+        let width = Self::Component::WIDTH;
+        Self::build(|column, row| {
+            let at = (column * Self::ROWS + row) * width;
+            Self::Component::take(&from[at..at + width])
+        })
+    }
+}
+
+/// Only this crate says what stands for what.
+mod sealed {
+    pub trait Sealed {}
+}
+pub(crate) use sealed::Sealed;
+
+/// A scalar, vector or matrix type as a number: equal for equal types.
+pub(crate) const fn code(scalar: Scalar, columns: u8, rows: u8) -> u32 {
+    u32::from_be_bytes([scalar.kind as u8, scalar.width, columns, rows])
+}
+
+/// How a value of that type relates to a leaf.
+pub(crate) fn fit<T: Value>(grid: &Grid) -> Fit {
+    let same = T::COLUMNS == usize::from(grid.columns) && T::ROWS == usize::from(grid.rows);
+    if same { T::Component::is(grid.scalar) } else { Fit::No }
+}
+
+/// The Rust type as its user writes it: `[f32; 3]`.
+pub(crate) fn spelled<T: Value>() -> String {
+    shape_of(T::Component::NAME, T::COLUMNS, T::ROWS)
+}
+
+/// The Rust type that fits a leaf.
+pub(crate) fn wanted(grid: &Grid) -> String {
+    let name = match (grid.scalar.kind, grid.scalar.width) {
+        (ScalarKind::Bool, _) => "bool",
+        (ScalarKind::Sint, 1) => "i8",
+        (ScalarKind::Sint, 2) => "i16",
+        (ScalarKind::Sint, 8) => "i64",
+        (ScalarKind::Sint, _) => "i32",
+        (ScalarKind::Uint, 1) => "u8",
+        (ScalarKind::Uint, 2) => "u16",
+        (ScalarKind::Uint, 8) => "u64",
+        (ScalarKind::Uint, _) => "u32",
+        (ScalarKind::Float, 8) => "f64",
+        (
+            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
+            _,
+        ) => "f32",
+    };
+    shape_of(name, grid.columns.into(), grid.rows.into())
+}
+
+fn shape_of(name: &str, columns: usize, rows: usize) -> String {
+    match (columns, rows) {
+        (1, 1) => name.to_string(),
+        (1, _) => format!("[{name}; {rows}]"),
+        _ => format!("[[{name}; {rows}]; {columns}]"),
+    }
+}
+
+macro_rules! scalar {
+    ($($ty:ident $kind:ident)*) => {$(
+        impl Sealed for $ty {}
+
+        impl Component for $ty {
+            const NAME: &'static str = stringify!($ty);
+            const WIDTH: usize = size_of::<$ty>();
+            const SCALAR: Scalar =
+                Scalar { kind: ScalarKind::$kind, width: size_of::<$ty>() as u8 };
+
+            #[inline]
+            fn put(self, out: &mut [u8]) {
+                out.copy_from_slice(&self.to_ne_bytes());
+            }
+
+            #[inline]
+            fn take(from: &[u8]) -> $ty {
+                let mut bytes = [0; size_of::<$ty>()];
+                bytes.copy_from_slice(from);
+                <$ty>::from_ne_bytes(bytes)
+            }
+
+            fn put_as(self, _: Scalar, out: &mut [u8]) {
+                self.put(out);
+            }
+
+            fn take_as(_: Scalar, from: &[u8]) -> $ty {
+                Self::take(from)
+            }
+        }
+    )*};
+}
+
+scalar!(i8 Sint i16 Sint i32 Sint i64 Sint u8 Uint u16 Uint u32 Uint u64 Uint f64 Float);
+
+impl Sealed for f32 {}
+
+impl Component for f32 {
+    const NAME: &'static str = "f32";
+    const WIDTH: usize = 4;
+    const SCALAR: Scalar = Scalar::F32;
+
+    fn is(scalar: Scalar) -> Fit {
+        match (scalar.kind, scalar.width) {
+            (ScalarKind::Float, 4) => Fit::Same,
+            (ScalarKind::Float, 2) => Fit::Narrowed,
+            (ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => {
+                Fit::Narrowed
+            }
+            (ScalarKind::Float | ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => {
+                Fit::No
+            }
+        }
+    }
+
+    #[inline]
+    fn put(self, out: &mut [u8]) {
+        out.copy_from_slice(&self.to_ne_bytes());
+    }
+
+    #[inline]
+    fn take(from: &[u8]) -> f32 {
+        let mut bytes = [0; 4];
+        bytes.copy_from_slice(from);
+        f32::from_ne_bytes(bytes)
+    }
+
+    fn put_as(self, scalar: Scalar, out: &mut [u8]) {
+        put_bits(narrow(scalar, self.into()), out);
+    }
+
+    fn take_as(scalar: Scalar, from: &[u8]) -> f32 {
+        // Every number of the smaller formats is one of f32.
+        widen(scalar, take_bits(from)) as f32
+    }
+}
+
+impl Sealed for bool {}
+
+/// 4 bytes, 0 or 1; any other number reads as true, as shaders do.
+impl Component for bool {
+    const NAME: &'static str = "bool";
+    const WIDTH: usize = 4;
+    const SCALAR: Scalar = Scalar::BOOL;
+
+    #[inline]
+    fn put(self, out: &mut [u8]) {
+        u32::from(self).put(out);
+    }
+
+    #[inline]
+    fn take(from: &[u8]) -> bool {
+        u32::take(from) != 0
+    }
+
+    fn put_as(self, _: Scalar, out: &mut [u8]) {
+        self.put(out);
+    }
+
+    fn take_as(_: Scalar, from: &[u8]) -> bool {
+        Self::take(from)
+    }
+}
+
+/// Writes the low bytes of a component's bits in the machine's order; `out` is as wide as it.
+pub(crate) fn put_bits(bits: u64, out: &mut [u8]) {
+    let width = out.len();
+    if cfg!(target_endian = "little") {
+        out.copy_from_slice(&bits.to_le_bytes()[..width]);
+    } else {
+        out.copy_from_slice(&bits.to_be_bytes()[8 - width..]);
+    }
+}
+
+/// The bits of a component as wide as `from`.
+pub(crate) fn take_bits(from: &[u8]) -> u64 {
+    let mut bytes = [0; 8];
+    if cfg!(target_endian = "little") {
+        bytes[..from.len()].copy_from_slice(from);
+        u64::from_le_bytes(bytes)
+    } else {
+        bytes[8 - from.len()..].copy_from_slice(from);
+        u64::from_be_bytes(bytes)
+    }
+}
+
+impl<T: Component> Value for T {
+    type Component = T;
+    const COLUMNS: usize = 1;
+    const ROWS: usize = 1;
+
+    #[inline]
+    fn component(&self, _: usize, _: usize) -> T {
+        *self
+    }
+
+    #[inline]
+    fn build(mut cell: impl FnMut(usize, usize) -> T) -> T {
+        cell(0, 0)
+    }
+}
+
+impl<T: Sealed, const N: usize> Sealed for [T; N] {}
+
+impl<T: Component, const N: usize> Value for [T; N] {
+    type Component = T;
+    const COLUMNS: usize = 1;
+    const ROWS: usize = N;
+
+    #[inline]
+    fn component(&self, _: usize, row: usize) -> T {
+        self[row]
+    }
+
+    #[inline]
+    fn build(mut cell: impl FnMut(usize, usize) -> T) -> [T; N] {
+        std::array::from_fn(|row| cell(0, row))
+    }
+}
+
+impl<T: Component, const C: usize, const R: usize> Value for [[T; R]; C] {
+    type Component = T;
+    const COLUMNS: usize = C;
+    const ROWS: usize = R;
+
+    #[inline]
+    fn component(&self, column: usize, row: usize) -> T {
+        self[column][row]
+    }
+
+    #[inline]
+    fn build(mut cell: impl FnMut(usize, usize) -> T) -> [[T; R]; C] {
+        std::array::from_fn(|column| std::array::from_fn(|row| cell(column, row)))
+    }
+}

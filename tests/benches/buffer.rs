@@ -1,0 +1,264 @@
+//! How fast bytes are set by name, as ratios in one run: `cargo bench --bench buffer`.
+//!
+//! Each contest runs its two sides in turn, round after round, and gives the median of the ratios
+//! of the rounds with the 10th and 90th percentile. The block is the light array of 128 point
+//! lights, whose 769 names an engine formats and looks up.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::hint::black_box;
+use std::time::Instant;
+
+use landfall::{Buffer, Options, Source, layout};
+
+const LIGHTS: &str = "
+    struct PointLight {
+        vec3 pos; vec3 color; float intensity;
+        float constant; float linear; float quadratic;
+    };
+    layout(std140) uniform PointLightBlock {
+        PointLight data[128];
+        int actually_used_count;
+    } u_point_light_array;
+";
+const SIZE: usize = 6160;
+const ROUNDS: usize = 1001;
+
+fn main() {
+    let block = layout(&Source::new("lights.frag", LIGHTS), &Options::default()).blocks.remove(0);
+    let mut buffer = Buffer::new(&block).expect("the block has a fixed size");
+    let fourth = buffer.handle::<[f32; 3]>("data[3].color").expect("a vec3");
+    let handle = buffer.handle::<[f32; 3]>("data[].color").expect("a vec3");
+    let values: Vec<[f32; 3]> = (0..128).map(|i| [i as f32, 1.0, 0.5]).collect();
+    let paths: Vec<String> = (0..128).map(|i| format!("data[{i}].color")).collect();
+    // 128 lights in an order that is not theirs, so that no side learns it.
+    let order: Vec<usize> = (0..128).map(|i| i * 37 % 128).collect();
+    let names = names();
+    let map: HashMap<String, (usize, usize)> =
+        names.iter().map(|(name, offset, size)| (name.clone(), (*offset, *size))).collect();
+    let mut plain = vec![0u8; SIZE];
+    let mirrors = vec![[1f32; 12]; 128];
+
+    println!("{} names, {} rounds; ns for one call", names.len(), ROUNDS);
+    println!("{:<58} {:>8} {:>8} {:>7}  p10-p90", "", "ours", "theirs", "ratio");
+
+    let mut constant = |plain: &mut Vec<u8>| {
+        for value in &values {
+            put(&mut black_box(&mut *plain)[160..172], black_box(value));
+        }
+    };
+    let mut by_handle = |buffer: &mut Buffer| {
+        for value in &values {
+            black_box(&mut *buffer).set_at(&fourth, [], *black_box(value)).expect("in range");
+        }
+    };
+    let (b, p) = (&mut buffer, &mut plain);
+    slower("data[3].color by handle : store at 160", 128, b, p, &mut by_handle, &mut constant);
+
+    let mut indexed = |plain: &mut Vec<u8>| {
+        for (&i, value) in order.iter().zip(&values) {
+            let at = 48 * i + 16;
+            put(&mut black_box(&mut *plain)[at..at + 12], black_box(value));
+        }
+    };
+    let mut by_handle = |buffer: &mut Buffer| {
+        for (&i, value) in order.iter().zip(&values) {
+            black_box(&mut *buffer).set_at(&handle, [i], *black_box(value)).expect("in range");
+        }
+    };
+    slower("data[i].color by handle : store at 48 i + 16", 128, b, p, &mut by_handle, &mut indexed);
+    slower("data[i].color by handle : store at 160", 128, b, p, &mut by_handle, &mut constant);
+
+    let mut by_handle = |buffer: &mut Buffer| {
+        for (&i, value) in order.iter().zip(&values) {
+            black_box(&mut *buffer).set_at(&handle, [i], *black_box(value)).expect("in range");
+        }
+        buffer.clear_dirty();
+    };
+    slower("all data[i].color, then clear : same", 128, b, p, &mut by_handle, &mut indexed);
+
+    let mut formatted = |buffer: &mut Buffer| {
+        for &i in &order {
+            let path = black_box(paths[i].as_str());
+            black_box(&mut *buffer).set(path, values[i]).expect("in range");
+        }
+    };
+    let mut literal = |buffer: &mut Buffer| {
+        for value in &values {
+            let path = black_box("data[3].color");
+            black_box(&mut *buffer).set(path, *black_box(value)).expect("in range");
+        }
+    };
+    let mut on_stack = |buffer: &mut Buffer| {
+        for &i in &order {
+            let mut path = Stack { bytes: [0; 32], len: 0 };
+            write!(path, "data[{}].color", black_box(i)).expect("it fits");
+            black_box(&mut *buffer).set(path.text(), values[i]).expect("in range");
+        }
+    };
+    let mut scan = |plain: &mut Vec<u8>| {
+        for &i in &order {
+            let name = format!("data[{}].color", black_box(i));
+            let found = black_box(&names).iter().find(|row| row.0 == name).expect("a name");
+            let at = black_box(&mut *plain);
+            put(&mut at[found.1..found.1 + found.2], &values[i]);
+        }
+    };
+    let mut hash = |plain: &mut Vec<u8>| {
+        for &i in &order {
+            let name = format!("data[{}].color", black_box(i));
+            let (offset, size) = black_box(&map)[&name];
+            let at = black_box(&mut *plain);
+            put(&mut at[offset..offset + size], &values[i]);
+        }
+    };
+    let (b, p) = (&mut buffer, &mut plain);
+    faster("format and scan a Vec : path at hand", 128, b, p, &mut formatted, &mut scan);
+    faster("format and scan a Vec : path literal", 128, b, p, &mut literal, &mut scan);
+    faster(
+        "format and scan a Vec : path formatted on the stack",
+        128,
+        b,
+        p,
+        &mut on_stack,
+        &mut scan,
+    );
+    faster("format and HashMap : path at hand", 128, b, p, &mut formatted, &mut hash);
+    faster("format and HashMap : path literal", 128, b, p, &mut literal, &mut hash);
+    faster("format and HashMap : path formatted on the stack", 128, b, p, &mut on_stack, &mut hash);
+
+    let mut slice = |buffer: &mut Buffer| {
+        let mirrors = black_box(&mirrors[..]);
+        black_box(&mut *buffer).write_slice("data", mirrors).expect("in range");
+    };
+    let mut memcpy = |plain: &mut Vec<u8>| {
+        let from: &[u8] = bytemuck::cast_slice(black_box(&mirrors[..]));
+        let at = black_box(&mut *plain);
+        at[..6144].copy_from_slice(from);
+    };
+    slower("128 mirrors at once : memcpy", 1, &mut buffer, &mut plain, &mut slice, &mut memcpy);
+
+    buffer.clear_dirty();
+    buffer.set("data[3].pos", [1f32; 3]).expect("a vec3");
+    println!("\none moved light: {:?}", buffer.dirty(64).collect::<Vec<_>>());
+    let start = Instant::now();
+    for _ in 0..10_000 {
+        black_box(black_box(&buffer).upload(64));
+    }
+    println!("finding it: {:.0} ns", start.elapsed().as_nanos() as f64 / 10_000.0);
+}
+
+/// The table of the engine: every element's name, offset and size.
+fn names() -> Vec<(String, usize, usize)> {
+    let members = [
+        ("pos", 0, 12),
+        ("color", 16, 12),
+        ("intensity", 28, 4),
+        ("constant", 32, 4),
+        ("linear", 36, 4),
+        ("quadratic", 40, 4),
+    ];
+    let mut names: Vec<_> = (0..128)
+        .flat_map(|i| {
+            members.map(|(name, at, size)| (format!("data[{i}].{name}"), 48 * i + at, size))
+        })
+        .collect();
+    names.push(("actually_used_count".to_string(), 6144, 4));
+    names
+}
+
+#[inline]
+fn put(at: &mut [u8], value: &[f32; 3]) {
+    at.copy_from_slice(bytemuck::bytes_of(value));
+}
+
+/// A path formatted without allocation.
+struct Stack {
+    bytes: [u8; 32],
+    len: usize,
+}
+
+impl Stack {
+    fn text(&self) -> &str {
+        std::str::from_utf8(&self.bytes[..self.len]).expect("only text was written")
+    }
+}
+
+impl Write for Stack {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        let to = self.bytes.get_mut(self.len..self.len + text.len()).ok_or(std::fmt::Error)?;
+        to.copy_from_slice(text.as_bytes());
+        self.len += text.len();
+        Ok(())
+    }
+}
+
+type Ours<'a> = &'a mut dyn FnMut(&mut Buffer);
+type Theirs<'a> = &'a mut dyn FnMut(&mut Vec<u8>);
+
+/// Ours over theirs: how many times slower ours is.
+fn slower(
+    name: &str,
+    calls: usize,
+    b: &mut Buffer,
+    p: &mut Vec<u8>,
+    ours: Ours<'_>,
+    theirs: Theirs<'_>,
+) {
+    contest(name, calls, b, p, ours, theirs, |ours, theirs| ours / theirs);
+}
+
+/// Theirs over ours: how many times faster ours is.
+fn faster(
+    name: &str,
+    calls: usize,
+    b: &mut Buffer,
+    p: &mut Vec<u8>,
+    ours: Ours<'_>,
+    theirs: Theirs<'_>,
+) {
+    contest(name, calls, b, p, ours, theirs, |ours, theirs| theirs / ours);
+}
+
+fn contest(
+    name: &str,
+    calls: usize,
+    buffer: &mut Buffer,
+    plain: &mut Vec<u8>,
+    ours: Ours<'_>,
+    theirs: Theirs<'_>,
+    ratio: fn(f64, f64) -> f64,
+) {
+    // As many repetitions as make each side of a round take about a tenth of a millisecond.
+    let repeat = |once: f64| ((1e5 / once.max(1.0)) as usize).max(1);
+    let ours_repeat = repeat(time(20, || ours(buffer)));
+    let theirs_repeat = repeat(time(20, || theirs(plain)));
+    let mut rounds = Vec::with_capacity(ROUNDS);
+    for round in 0..ROUNDS {
+        let (a, b) = if round % 2 == 0 {
+            let a = time(ours_repeat, || ours(buffer));
+            (a, time(theirs_repeat, || theirs(plain)))
+        } else {
+            let b = time(theirs_repeat, || theirs(plain));
+            (time(ours_repeat, || ours(buffer)), b)
+        };
+        rounds.push((a / calls as f64, b / calls as f64, ratio(a, b)));
+    }
+    let at = |part: f64, of: fn(&(f64, f64, f64)) -> f64| {
+        let mut all: Vec<f64> = rounds.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all[(part * (all.len() - 1) as f64).round() as usize]
+    };
+    let (ours, theirs) = (at(0.5, |r| r.0), at(0.5, |r| r.1));
+    let [low, ratio, high] = [0.1, 0.5, 0.9].map(|part| at(part, |r| r.2));
+    println!("{name:<58} {ours:>8.2} {theirs:>8.2} {ratio:>7.2}  {low:.2}-{high:.2}");
+}
+
+/// Nanoseconds of one repetition.
+fn time(repeat: usize, mut run: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    for _ in 0..repeat {
+        run();
+    }
+    start.elapsed().as_nanos() as f64 / repeat as f64
+}
