@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use super::print::{Printer, call};
+use super::print::{Printer, WIDTH, call};
 use super::types::Made;
 
 pub(super) fn checks(out: &Printer<'_>, text: &mut String) {
@@ -48,10 +48,16 @@ fn assert(out: &Printer<'_>, text: &mut String, actual: &str, expected: u64, wha
     let arguments = [format!("{what:?}"), expected.to_string(), actual.to_string()];
     let mut message = String::new();
     call(&mut message, "    ", &format!("{mismatch}::new"), &arguments, ".text()");
-    let _ = writeln!(
-        text,
-        "const _: () = assert!(\n    {actual} == {expected},\n    \"{{}}\",\n{message});"
-    );
+    let line = format!("    {actual} == {expected},");
+    let condition = match line.len() <= WIDTH {
+        true => line,
+        false => format!("    {actual}\n        == {expected},"),
+    };
+    if actual.len() + 8 >= WIDTH {
+        // Nothing but a name is left to break; where rustfmt would is not worth following.
+        text.push_str("#[rustfmt::skip]\n");
+    }
+    let _ = writeln!(text, "const _: () = assert!(\n{condition}\n    \"{{}}\",\n{message});");
 }
 
 /// The message of a failed assertion: only text known in advance or made by const functions can

@@ -237,7 +237,7 @@ fn undecorated(line: &str) -> &str {
 /// Plain words such that rustdoc, rustc and clippy take them for nothing else: no links, HTML,
 /// lists, headings, code blocks or letters that turn the direction of text.
 fn markdown(line: &str) -> String {
-    let code = line.matches('`').count() % 2 == 0 && !line.contains("``");
+    let code = line.matches('`').count().is_multiple_of(2) && !line.contains("``");
     let mut inside = false;
     let mut result = String::with_capacity(line.len());
     for (at, letter) in line.char_indices() {

@@ -1,13 +1,13 @@
 //! Prints the mirrors: the structure, `new`, `Default`.
 //!
 //! `new` takes what a program has (a `glam::Mat3`, a `bool`, an array without
-//! padding) and makes what the shader reads of it; [`natural`] and [`converted`]
+//! padding) and makes what the shader reads of it; [`natural`] and [`conversion`]
 //! say what that is for each type. [`super::tail`] adds what runtime-sized
 //! blocks need.
 
 use std::fmt::Write as _;
 
-use super::print::{DERIVES, Printer, default, doc, literal, signature};
+use super::print::{DERIVES, FieldValue, Printer, assignment, default, doc, literal, signature};
 use super::types::{Bits, Component, Made, MadeId, Mirror, RustType, Shape, component};
 use super::{Vectors, leaf, tail};
 
@@ -44,7 +44,8 @@ fn structure(out: &Printer<'_>, text: &mut String, id: MadeId, mirror: &Mirror) 
         }
         if let Some(field) = mirror.fields.get(at) {
             doc(text, "    ", &docs.fields[at]);
-            let _ = writeln!(text, "    {public} {}: {},", field.name, out.ty(&field.ty));
+            let (head, ty) = (format!("{public} {}", field.name), out.ty(&field.ty));
+            assignment(text, "    ", &head, ":", &format!("{ty},"));
         }
     }
     text.push_str("}\n\n");
@@ -68,14 +69,15 @@ fn new(out: &Printer<'_>, text: &mut String, id: MadeId, mirror: &Mirror) {
     let mut fields = Vec::new();
     for (at, gap) in mirror.gaps().iter().enumerate() {
         if let Some(gap) = gap {
-            fields.push(format!("_pad_{}: [0; {}]", gap.offset, gap.size));
+            fields.push(FieldValue {
+                name: format!("_pad_{}", gap.offset),
+                value: format!("[0; {}]", gap.size),
+                method: String::new(),
+            });
         }
         if let Some(field) = mirror.fields.get(at) {
-            let name = &field.name;
-            fields.push(match natural(out, &field.ty) {
-                None => name.clone(),
-                Some(_) => format!("{name}: {}", converted(out, &field.ty, name)),
-            });
+            let (name, value) = (field.name.clone(), field.name.clone());
+            fields.push(FieldValue { name, value, method: conversion(out, &field.ty) });
         }
     }
     literal(text, "        ", &fields);
@@ -122,15 +124,17 @@ fn natural_leaf(out: &Printer<'_>, leaf: super::types::LeafType) -> String {
     }
 }
 
-/// The expression that makes `ty` of `value`, which is of its [`natural`] type.
-pub(super) fn converted(out: &Printer<'_>, ty: &RustType, value: &str) -> String {
+/// The call that makes `ty` of a value of its [`natural`] type; nothing if they are the same.
+pub(super) fn conversion(out: &Printer<'_>, ty: &RustType) -> String {
+    if natural(out, ty).is_none() {
+        return String::new();
+    }
     match ty {
-        _ if natural(out, ty).is_none() => value.to_string(),
-        RustType::Named(_) => value.to_string(),
-        RustType::Made(_) => format!("{value}.into()"),
+        RustType::Named(_) => String::new(),
+        RustType::Made(_) => ".into()".to_string(),
         RustType::Array(element, _) => match &**element {
-            RustType::Array(..) => format!("{value}.map(|x| {})", converted(out, element, "x")),
-            RustType::Made(_) | RustType::Named(_) => format!("{value}.map(Into::into)"),
+            RustType::Array(..) => format!(".map(|x| x{})", conversion(out, element)),
+            RustType::Made(_) | RustType::Named(_) => ".map(Into::into)".to_string(),
         },
     }
 }

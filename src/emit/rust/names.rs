@@ -74,7 +74,7 @@ pub(super) fn snake(name: &str) -> String {
 }
 
 /// The same, not yet fit to stand alone.
-pub(super) fn plain_snake(name: &str) -> String {
+fn plain_snake(name: &str) -> String {
     let name = words(name).join("_");
     match name.as_bytes().first() {
         None => "unnamed".to_string(),

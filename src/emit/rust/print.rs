@@ -12,7 +12,7 @@ pub(super) const WIDTH: usize = 100;
 /// rustfmt's width for the body of a structure literal on one line.
 const LITERAL: usize = 18;
 
-/// rustfmt's width for the arguments of a call on one line.
+/// rustfmt's width for the arguments of a call, and the elements of an array, on one line.
 const CALL: usize = 60;
 
 /// The derives of every type that is written.
@@ -122,18 +122,82 @@ pub(super) fn implement(text: &mut String, of: &str, ty: &str) {
     }
 }
 
+/// A field of a structure literal: `NAME`, or `NAME: VALUE.METHOD`.
+pub(super) struct FieldValue {
+    pub(super) name: String,
+    pub(super) value: String,
+    /// With its dot; empty if there is none.
+    pub(super) method: String,
+}
+
 /// `Self { fields }`.
-pub(super) fn literal(text: &mut String, indent: &str, fields: &[String]) {
-    let body = fields.join(", ");
+pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
+    let lines: Vec<String> = fields
+        .iter()
+        .map(|FieldValue { name, value, method }| match name == value && method.is_empty() {
+            true => name.clone(),
+            false => format!("{name}: {value}{method}"),
+        })
+        .collect();
+    let body = lines.join(", ");
     if body.chars().count() <= LITERAL {
         let _ = writeln!(text, "{indent}Self {{ {body} }}");
         return;
     }
     let _ = writeln!(text, "{indent}Self {{");
-    for field in fields {
-        let _ = writeln!(text, "{indent}    {field},");
+    let fits = |line: &str| line.chars().count() < WIDTH;
+    for (line, FieldValue { name, value, method }) in lines.iter().zip(fields) {
+        // The places where rustfmt breaks, in the order in which it tries them.
+        let choices = [
+            format!("{indent}    {line}"),
+            format!("{indent}    {name}: {value}\n{indent}        {method}"),
+            format!("{indent}    {name}:\n{indent}        {value}{method}"),
+            format!("{indent}    {name}:\n{indent}        {value}\n{indent}            {method}"),
+        ];
+        let fitting = choices.iter().find(|choice| choice.split('\n').all(fits));
+        let _ = writeln!(text, "{},", fitting.unwrap_or(&choices[3]));
     }
     let _ = writeln!(text, "{indent}}}");
+}
+
+/// `head separator tail end`, the tail on a line of its own where that is too long.
+pub(super) fn assignment(text: &mut String, indent: &str, head: &str, separator: &str, tail: &str) {
+    let line = format!("{indent}{head}{separator} {tail}");
+    if line.chars().count() <= WIDTH {
+        let _ = writeln!(text, "{line}");
+    } else {
+        let _ = writeln!(text, "{indent}{head}{separator}\n{indent}    {tail}");
+    }
+}
+
+/// How the elements of a slice that is too long for a line are broken into lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Items {
+    OneALine,
+    /// As rustfmt does for numbers.
+    Filled,
+}
+
+/// `&[items]`.
+pub(super) fn slice(items: &[String], indent: &str, how: Items) -> String {
+    let line = items.join(", ");
+    if line.len() <= CALL {
+        return format!("&[{line}]");
+    }
+    let mut text = "&[".to_string();
+    let mut column = WIDTH;
+    for item in items {
+        let fits = column + 1 + item.len() < WIDTH;
+        if how == Items::Filled && fits {
+            let _ = write!(text, " {item},");
+            column += item.len() + 2;
+        } else {
+            let _ = write!(text, "\n{indent}    {item},");
+            column = indent.len() + 4 + item.len() + 1;
+        }
+    }
+    let _ = write!(text, "\n{indent}]");
+    text
 }
 
 /// Zeros for a [`Default`].

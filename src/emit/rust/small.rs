@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use super::print::{DERIVES, Printer, default, doc, implement};
+use super::print::{DERIVES, Printer, default, doc, implement, signature};
 use super::types::{Bits, Component, LeafType, Made, Shape, component};
 use super::{Vectors, leaf, strided, tail};
 
@@ -102,7 +102,7 @@ fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
         true => format!("[u8; {}]", leaf.scalar.width),
         false => plain.component.clone(),
     };
-    let (stored, lanes) = stored(leaf, &cell);
+    let stored = stored(leaf, &cell);
     doc(text, "", &[about(leaf)]);
     let transparent = "#[repr(transparent)]";
     let _ =
@@ -110,11 +110,9 @@ fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
     default(text, name);
     match leaf.shape {
         Shape::Scalar | Shape::Vector { .. } => vector(text, name, &plain, leaf),
-        Shape::Matrix { columns, rows, row_major, .. } => {
-            matrix(text, name, &plain, leaf, lanes, (columns, rows, row_major));
-        }
+        Shape::Matrix { row_major, .. } => matrix(text, name, &plain, leaf, row_major),
     }
-    if matches!(component_kind(leaf), Component::Bits(Bits::Bool)) {
+    if matches!(self::component(leaf.scalar), Component::Bits(Bits::Bool)) {
         bools(text, name, &plain, leaf.shape);
     }
     if out.options.vectors == Vectors::Glam {
@@ -122,18 +120,14 @@ fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
     }
 }
 
-fn component_kind(leaf: LeafType) -> Component {
-    component(leaf.scalar)
-}
-
-/// The type inside, and components from one column (row) to the next.
-fn stored(leaf: LeafType, cell: &str) -> (String, u64) {
+/// The type inside.
+fn stored(leaf: LeafType, cell: &str) -> String {
     match leaf.shape {
-        Shape::Scalar => (cell.to_string(), 1),
-        Shape::Vector { rows } => (format!("[{cell}; {rows}]"), rows.into()),
+        Shape::Scalar => cell.to_string(),
+        Shape::Vector { rows } => format!("[{cell}; {rows}]"),
         Shape::Matrix { stride, .. } => {
             let lanes = stride / u64::from(leaf.scalar.width);
-            (format!("[[{cell}; {lanes}]; {}]", leaf.shape.stored().0), lanes)
+            format!("[[{cell}; {lanes}]; {}]", leaf.shape.stored().0)
         }
     }
 }
@@ -166,14 +160,7 @@ fn vector(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
     conversion(text, name, ty, "value", from);
 }
 
-fn matrix(
-    text: &mut String,
-    name: &str,
-    plain: &Plain,
-    leaf: LeafType,
-    _lanes: u64,
-    (_columns, _rows, row_major): (u8, u8, bool),
-) {
+fn matrix(text: &mut String, name: &str, plain: &Plain, leaf: LeafType, row_major: bool) {
     let ty = &plain.ty;
     let place = if row_major { "[r][c]" } else { "[c][r]" };
     let (cell, value) = match leaf.unaligned {
@@ -265,5 +252,6 @@ fn bools(text: &mut String, name: &str, plain: &Plain, shape: Shape) {
 /// `impl From<FROM> for TO` with a body of one expression.
 pub(super) fn conversion(text: &mut String, from: &str, to: &str, value: &str, body: &str) {
     implement(text, &format!("From<{from}>"), to);
-    let _ = write!(text, "    fn from({value}: {from}) -> Self {{\n        {body}\n    }}\n}}\n\n");
+    signature(text, "    ", "fn from", &[format!("{value}: {from}")], " -> Self {");
+    let _ = write!(text, "        {body}\n    }}\n}}\n\n");
 }

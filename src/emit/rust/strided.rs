@@ -3,8 +3,8 @@
 
 use std::fmt::Write as _;
 
-use super::mirror::{converted, natural};
-use super::print::{DERIVES, Printer, default, implement};
+use super::mirror::{self, natural};
+use super::print::{DERIVES, Printer, assignment, default, implement, signature};
 use super::small::conversion;
 use super::types::{Padded, Tight};
 
@@ -12,6 +12,7 @@ pub(super) fn padded(out: &Printer<'_>, text: &mut String, name: &str, padded: &
     let (public, inner) = (out.visibility(), out.ty(&padded.inner));
     let Padded { size, stride, .. } = padded;
     let pad = stride - size;
+    let (values, array) = (format!("[{inner}; N]"), "[Self; N]");
     let _ = write!(
         text,
         "/// An element of {size} bytes and {pad} bytes of padding.
@@ -26,18 +27,16 @@ pub(super) fn padded(out: &Printer<'_>, text: &mut String, name: &str, padded: &
 #[allow(dead_code)]
 impl {name} {{
     /// Elements with their padding.
-    {public} fn array<const N: usize>(values: [{inner}; N]) -> [Self; N] {{
-        values.map(Self::from)
-    }}
-
-    /// Elements without their padding.
-    {public} fn values<const N: usize>(array: [Self; N]) -> [{inner}; N] {{
-        array.map(|element| element.value)
-    }}
-}}
-
 "
     );
+    let head = format!("{public} fn array<const N: usize>");
+    signature(text, "    ", &head, &[format!("values: {values}")], &format!(" -> {array} {{"));
+    text.push_str(
+        "        values.map(Self::from)\n    }\n\n    /// Elements without their padding.\n",
+    );
+    let head = format!("{public} fn values<const N: usize>");
+    signature(text, "    ", &head, &[format!("array: {array}")], &format!(" -> {values} {{"));
+    text.push_str("        array.map(|element| element.value)\n    }\n}\n\n");
     default(text, name);
     implement(text, &format!("From<{inner}>"), name);
     let _ = write!(
@@ -55,35 +54,32 @@ impl {name} {{
     conversion(text, name, &inner, "element", "element.value");
     if let Some(plain) = natural(out, &padded.inner) {
         implement(text, &format!("From<{plain}>"), name);
-        let value = converted(out, &padded.inner, "value");
-        let _ = write!(
-            text,
-            "    fn from(value: {plain}) -> Self {{
-        let value: {inner} = {value};
-        Self::from(value)
-    }}
-}}
-
-"
-        );
+        let method = mirror::conversion(out, &padded.inner);
+        signature(text, "    ", "fn from", &[format!("value: {plain}")], " -> Self {");
+        let (head, tail) = (format!("let value: {inner}"), format!("value{method};"));
+        assignment(text, "        ", &head, " =", &tail);
+        text.push_str("        Self::from(value)\n    }\n}\n\n");
     }
+    implement(text, "core::ops::Deref", name);
     let _ = write!(
         text,
-        "impl core::ops::Deref for {name} {{
-    type Target = {inner};
+        "    type Target = {inner};
 
     fn deref(&self) -> &Self::Target {{
         &self.value
     }}
 }}
 
-impl core::ops::DerefMut for {name} {{
-    fn deref_mut(&mut self) -> &mut Self::Target {{
-        &mut self.value
-    }}
-}}
-
 "
+    );
+    implement(text, "core::ops::DerefMut", name);
+    text.push_str(
+        "    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.value
+    }
+}
+
+",
     );
 }
 
@@ -106,10 +102,10 @@ pub(super) fn tight(out: &Printer<'_>, text: &mut String, name: &str, tight: &Ti
     );
     default(text, name);
     implement(text, &format!("From<{of}>"), name);
+    signature(text, "    ", "fn from", &[format!("values: {of}")], " -> Self {");
     let _ = write!(
         text,
-        "    fn from(values: {of}) -> Self {{
-        let mut array = Self::default();
+        "        let mut array = Self::default();
         for (at, value) in values.into_iter().enumerate() {{
             array[at] = value;
         }}
@@ -121,26 +117,28 @@ pub(super) fn tight(out: &Printer<'_>, text: &mut String, name: &str, tight: &Ti
     );
     conversion(text, name, &of, "array", "core::array::from_fn(|at| array[at])");
     // An element with padding is reached through it, one without as itself.
+    implement(text, "core::ops::Index<usize>", name);
     let _ = write!(
         text,
-        "impl core::ops::Index<usize> for {name} {{
-    type Output = {element};
+        "    type Output = {element};
 
     fn index(&self, at: usize) -> &Self::Output {{
-        if at == {last} {{
-            &self.last
-        }} else {{
-            &self.head[at]
+        match at {{
+            {last} => &self.last,
+            _ => &self.head[at],
         }}
     }}
 }}
 
-impl core::ops::IndexMut<usize> for {name} {{
-    fn index_mut(&mut self, at: usize) -> &mut Self::Output {{
-        if at == {last} {{
-            &mut self.last
-        }} else {{
-            &mut self.head[at]
+"
+    );
+    implement(text, "core::ops::IndexMut<usize>", name);
+    let _ = write!(
+        text,
+        "    fn index_mut(&mut self, at: usize) -> &mut Self::Output {{
+        match at {{
+            {last} => &mut self.last,
+            _ => &mut self.head[at],
         }}
     }}
 }}

@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use crate::layout::Leaf;
 use crate::shape::ArrayLen;
 
-use super::names::{plain_snake, screaming, snake};
+use super::names::{screaming, snake};
 use super::plan::PlannedBlock;
-use super::print::{Printer, indices, signature, table_scope};
+use super::print::{Items, Printer, indices, signature, slice, table_scope};
 
 pub(super) fn tables(out: &Printer<'_>, text: &mut String) {
     if out.plan.blocks.is_empty() {
@@ -54,17 +54,15 @@ fn table(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>, name: &
     for leaf in &layout.leaves {
         let shown = leaf.ty.spelled(block.shader.language);
         let size = leaf.size.unwrap_or(0);
+        let words = leaf.path.replace("[]", "").replace('.', "_");
         if leaf.dims.is_empty() {
-            let name = free(&mut scope, screaming(&leaf.path), "_OFFSET");
+            let name = free(&mut scope, screaming(&words), "_OFFSET");
             let offset = leaf.offset.unwrap_or(0);
             let line = if std::mem::take(&mut after_function) { "\n" } else { "" };
             let _ = writeln!(text, "{line}    /// `{}`: `{shown}`, size {size}.", leaf.path);
             let _ = writeln!(text, "    {public} const {name}: usize = {offset};");
         } else {
-            let path = leaf.path.replace("[]", "");
-            let plain = plain_snake(&path.replace('.', "_"));
-            let name = if scope.is_free(&plain) { snake(&path.replace('.', "_")) } else { plain };
-            let name = free(&mut scope, name, "_offset");
+            let name = free(&mut scope, snake(&words), "_offset");
             let of = indices(leaf.dims.len());
             let shown_path = with_indices(&leaf.path, &of);
             let _ = writeln!(text, "\n    /// `{shown_path}`: `{shown}`, size {size}.");
@@ -126,22 +124,22 @@ fn function(text: &mut String, public: &str, name: &str, leaf: &Leaf, indices: &
             let _ = writeln!(text, "        assert!({index} < {len});");
         }
     }
-    let offset = leaf.offset.unwrap_or(0);
-    let mut terms: Vec<String> = if offset == 0 { Vec::new() } else { vec![offset.to_string()] };
-    terms.extend(indices.iter().zip(&leaf.strides).map(|(index, stride)| match stride {
-        1 => index.clone(),
-        _ => format!("{index} * {stride}"),
-    }));
+    let offset = leaf.offset.filter(|offset| *offset > 0);
+    let terms: Vec<String> = indices
+        .iter()
+        .zip(&leaf.strides)
+        .map(|(index, stride)| match stride {
+            1 => index.clone(),
+            _ => format!("{index} * {stride}"),
+        })
+        .chain(offset.map(|offset| offset.to_string()))
+        .collect();
     let sum = terms.join(" + ");
-    if 8 + sum.len() <= super::print::WIDTH {
-        let _ = writeln!(text, "        {sum}\n    }}");
-        return;
-    }
-    let _ = writeln!(text, "        {}", terms[0]);
-    for term in &terms[1..] {
-        let _ = writeln!(text, "            + {term}");
-    }
-    text.push_str("    }\n");
+    let sum = match 8 + sum.len() <= super::print::WIDTH {
+        true => sum,
+        false => terms.join("\n            + "),
+    };
+    let _ = writeln!(text, "        {sum}\n    }}");
 }
 
 fn rows(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>) {
@@ -150,52 +148,61 @@ fn rows(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>) {
     // In the order in which `look_up` halves them.
     leaves.sort_by(|a, b| a.path.cmp(&b.path));
     let count = leaves.len();
-    if count == 0 {
-        let _ = writeln!(
-            text,
-            "\n    /// Every leaf, sorted by path.\n    \
-             {public} static LEAVES: [super::{ty}; 0] = [];"
-        );
-        return;
+    text.push_str("\n    /// Every leaf, sorted by path.\n");
+    let head = format!("    {public} static LEAVES: [super::{ty}; {count}] = [");
+    match leaves[..] {
+        [] => {
+            let _ = writeln!(text, "{head}];");
+        }
+        // rustfmt has the brackets of a single element on its lines.
+        [one] => {
+            text.push_str(&head);
+            row(text, "    ", ty, one, block);
+            text.push_str("];\n");
+        }
+        [..] => {
+            let _ = writeln!(text, "{head}");
+            for leaf in leaves {
+                text.push_str("        ");
+                row(text, "        ", ty, leaf, block);
+                text.push_str(",\n");
+            }
+            text.push_str("    ];\n");
+        }
     }
-    let _ = writeln!(
+}
+
+fn row(text: &mut String, indent: &str, ty: &str, leaf: &Leaf, block: &PlannedBlock<'_>) {
+    let dims: Vec<String> = leaf
+        .dims
+        .iter()
+        .map(|len| match len {
+            ArrayLen::Fixed(n) => format!("Some({n})"),
+            ArrayLen::Runtime | ArrayLen::Override(_) => "None".to_string(),
+        })
+        .collect();
+    let strides: Vec<String> = leaf.strides.iter().map(u64::to_string).collect();
+    let _ = write!(
         text,
-        "\n    /// Every leaf, sorted by path.\n    {public} static LEAVES: [super::{ty}; {count}] = ["
+        "super::{ty} {{
+{indent}    path: {:?},
+{indent}    ty: {:?},
+{indent}    offset: {},
+{indent}    size: {},
+{indent}    dims: {},
+{indent}    strides: {},
+{indent}    matrix_stride: {:?},
+{indent}    row_major: {},
+{indent}}}",
+        leaf.path,
+        leaf.ty.spelled(block.shader.language).to_string(),
+        leaf.offset.unwrap_or(0),
+        leaf.size.unwrap_or(0),
+        slice(&dims, &format!("{indent}    "), Items::OneALine),
+        slice(&strides, &format!("{indent}    "), Items::Filled),
+        leaf.matrix_stride,
+        leaf.row_major,
     );
-    for leaf in leaves {
-        let dims: Vec<String> = leaf
-            .dims
-            .iter()
-            .map(|len| match len {
-                ArrayLen::Fixed(n) => format!("Some({n})"),
-                ArrayLen::Runtime | ArrayLen::Override(_) => "None".to_string(),
-            })
-            .collect();
-        let strides: Vec<String> = leaf.strides.iter().map(u64::to_string).collect();
-        let _ = write!(
-            text,
-            "        super::{ty} {{
-            path: {:?},
-            ty: {:?},
-            offset: {},
-            size: {},
-            dims: &[{}],
-            strides: &[{}],
-            matrix_stride: {:?},
-            row_major: {},
-        }},
-",
-            leaf.path,
-            leaf.ty.spelled(block.shader.language).to_string(),
-            leaf.offset.unwrap_or(0),
-            leaf.size.unwrap_or(0),
-            dims.join(", "),
-            strides.join(", "),
-            leaf.matrix_stride,
-            leaf.row_major,
-        );
-    }
-    text.push_str("    ];\n");
 }
 
 fn shared(out: &Printer<'_>, text: &mut String) {

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use super::print::{Printer, doc, signature};
+use super::print::{Printer, assignment, doc, signature};
 use super::types::{MadeId, Mirror, RuntimeTail};
 
 pub(super) fn tail(
@@ -19,7 +19,9 @@ pub(super) fn tail(
     let offset = mirror.size;
     doc(text, "", &[format!("One element of `{member}`: offset {offset}, stride {stride}.")]);
     let ty = out.ty(&tail.element);
-    let _ = writeln!(text, "#[allow(dead_code)]\n{public} type {element} = {ty};\n");
+    text.push_str("#[allow(dead_code)]\n");
+    assignment(text, "", &format!("{public} type {element}"), " =", &format!("{ty};"));
+    text.push('\n');
     let times = if *stride == 1 { String::new() } else { format!(" * {stride}") };
     let before = if offset == 0 { String::new() } else { format!("{offset} + ") };
     let _ = write!(
