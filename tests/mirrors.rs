@@ -194,12 +194,16 @@ fn the_output_has_no_warning_in_any_edition_and_nothing_to_format() {
             for at in 0..texts.len() {
                 assert_formatted(&directory.join(format!("library_{at}.rs")), edition);
             }
-            for compiler in ["rustc", "clippy-driver"] {
-                for (path, target) in [(&library, Target::Library), (&program, Target::Program)] {
-                    let out = check(compiler, crates(Math::Simd), path, edition, target);
-                    assert!(out.status.success(), "{compiler} {edition}\n{}", shown(&out.stderr));
-                }
-            }
+        }
+        // Each compiler in each edition, as each kind of crate.
+        for (compiler, edition, path, target) in [
+            ("rustc", "2021", &library, Target::Library),
+            ("rustc", "2024", &program, Target::Program),
+            ("clippy-driver", "2024", &library, Target::Library),
+            ("clippy-driver", "2021", &program, Target::Program),
+        ] {
+            let out = check(compiler, crates(Math::Simd), path, edition, target);
+            assert!(out.status.success(), "{compiler} {edition}\n{}", shown(&out.stderr));
         }
     }
 }
@@ -217,4 +221,39 @@ fn mirrors_hold_when_glam_has_no_simd() {
         let out = check("rustc", crates(math), &path, "2024", Target::Library);
         assert!(out.status.success(), "{}", shown(&out.stderr));
     }
+}
+
+fn usage() -> String {
+    let shader = laid_out("usage.frag", include_str!("mirrors/usage.frag"));
+    rust(&[&shader], &RustOptions::default()).text
+}
+
+#[test]
+fn a_program_can_do_with_the_output_what_it_is_for() {
+    let directory = scratch("usage");
+    fs::write(directory.join("mirrors.rs"), usage()).expect("scratch can be written to");
+    let root = directory.join("main.rs");
+    fs::write(&root, include_str!("mirrors/usage.rs")).expect("scratch can be written to");
+    run(crates(Math::Simd), &root, "2021");
+}
+
+#[test]
+fn a_mirror_that_departs_from_the_shader_does_not_compile_and_both_numbers_are_said() {
+    // As if someone had taken a pad out, which moves what follows and makes the whole smaller.
+    let text = usage();
+    let tampered =
+        text.replacen("    pub range: f32,\n", "", 1).replacen("            range,\n", "", 1);
+    assert_ne!(text, tampered);
+    let tampered = tampered.replace("offset_of!(PointLight, range)", "offset_of!(PointLight, pos)");
+    let directory = scratch("tampered");
+    let path = root(&directory, "library", "//! All.", &[tampered]);
+    let out = check("rustc", crates(Math::Simd), &path, "2021", Target::Library);
+    assert!(!out.status.success());
+    let said = String::from_utf8_lossy(&out.stderr);
+    let expected = "offset of `color` of `PointLight` in usage.frag: \
+                    16 bytes in the shader, 12 in its mirror";
+    assert!(said.contains(expected), "{said}");
+    let expected = "size of `PointLight` in usage.frag: \
+                    32 bytes in the shader, 28 in its mirror";
+    assert!(said.contains(expected), "{said}");
 }

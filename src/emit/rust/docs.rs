@@ -20,16 +20,24 @@ pub(super) struct Origin<'a> {
 
 /// What is said about a mirror, and what sets it apart from another of its name.
 pub(super) struct MirrorDoc {
-    /// Lines of documentation, as they stand after `/// `.
-    pub(super) lines: Vec<String>,
+    /// The shader's comment, as it stands after `/// `.
+    comment: Vec<String>,
+    /// What it is a mirror of, and where that is declared.
+    fact: String,
+    /// Bytes, where it is the whole of something.
+    size: Option<u64>,
+    /// Whether what follows it begins in the padding at its end.
+    cut: bool,
+    /// The rules that lay it out so.
+    rules: Vec<Rules>,
     /// The same for each field, in ascending order of offset.
     pub(super) fields: Vec<Vec<String>>,
     /// What the shader calls it.
     pub(super) shader_name: String,
     /// The shader.
     pub(super) input: String,
-    /// What can be added to its name, in this order, to tell it from others of that name.
-    pub(super) marks: [&'static str; 4],
+    /// Marks of being a block, of storing by rows, of having no padding at the end.
+    marks: [&'static str; 3],
 }
 
 impl MirrorDoc {
@@ -38,25 +46,19 @@ impl MirrorDoc {
         members: &[MemberLayout],
         at: &Origin<'_>,
     ) -> MirrorDoc {
-        let size = block.size.unwrap_or(0);
-        let mut lines = comment(at.files, &block.comment);
-        paragraph(&mut lines);
         let runtime = members.len() < block.members.len();
         let part = if runtime { "the part before the runtime-sized tail of " } else { "" };
-        let fact = format!(
-            "`{}`: {part}a {} block of {}, {}",
-            block.name,
-            block.space.name(),
-            place(at, block.span),
-            block.rules.name()
-        );
-        lines.push(if runtime { format!("{fact}.") } else { format!("{fact}, size {size}.") });
+        let (space, place) = (block.space.name(), place(at, block.span));
         MirrorDoc {
-            lines,
+            comment: comment(at.files, &block.comment),
+            fact: format!("`{}`: {part}a {space} block of {place}", block.name),
+            size: block.size.filter(|_| !runtime),
+            cut: false,
+            rules: vec![block.rules],
             fields: fields(members, at),
             shader_name: block.name.to_string(),
             input: at.input.to_string(),
-            marks: ["Block", rules_mark(block.rules), order_mark(members), ""],
+            marks: ["Block", order_mark(members), ""],
         }
     }
 
@@ -68,22 +70,49 @@ impl MirrorDoc {
         at: &Origin<'_>,
     ) -> MirrorDoc {
         let name = if s.name.is_empty() { "struct" } else { &s.name };
-        let mut lines = before(at.files, s.span);
-        paragraph(&mut lines);
-        let (place, rules_name) = (place(at, s.span), rules.name());
-        lines.push(format!("`{name}`: a structure of {place}, {rules_name}, size {size}."));
         let cut = size < reach(members).next_multiple_of(structure_align(members, rules));
-        if cut {
-            lines.push("What follows it begins in the padding at its end.".to_string());
-        }
-        let end = if cut { "Tight" } else { "" };
         MirrorDoc {
-            lines,
+            comment: before(at.files, s.span),
+            fact: format!("`{name}`: a structure of {}", place(at, s.span)),
+            size: Some(size),
+            cut,
+            rules: vec![rules],
             fields: fields(members, at),
             shader_name: name.to_string(),
             input: at.input.to_string(),
-            marks: ["", rules_mark(rules), order_mark(members), end],
+            marks: ["", order_mark(members), if cut { "Tight" } else { "" }],
         }
+    }
+
+    /// Notes that other rules lay it out alike.
+    pub(super) fn also_by(&mut self, rules: Rules) {
+        if !self.rules.contains(&rules) {
+            self.rules.push(rules);
+        }
+    }
+
+    /// Its documentation, as it stands after `/// `.
+    pub(super) fn lines(&self) -> Vec<String> {
+        let mut lines = self.comment.clone();
+        paragraph(&mut lines);
+        let rules: Vec<&str> = self.rules.iter().map(|rules| rules.name()).collect();
+        let size = self.size.map_or(String::new(), |size| format!(", size {size}"));
+        lines.push(format!("{}, {}{size}.", self.fact, rules.join(" and ")));
+        if self.cut {
+            lines.push("What follows it begins in the padding at its end.".to_string());
+        }
+        lines
+    }
+
+    /// What can be added to its name, in this order, to tell it from others of that name.
+    pub(super) fn marks(&self) -> [&'static str; 4] {
+        let [block, order, end] = self.marks;
+        let rules = match self.rules[..] {
+            [one] => rules_mark(one),
+            // It is the one that most agree on.
+            _ => "",
+        };
+        [block, rules, order, end]
     }
 }
 
@@ -120,11 +149,7 @@ fn field(member: &MemberLayout, at: &Origin<'_>) -> Vec<String> {
     paragraph(&mut lines);
     let offset = member.offset.unwrap_or(0);
     let size = member.size.unwrap_or_else(|| tight_size(member, 0));
-    let mut fact = format!(
-        "`{} {}`: offset {offset}, size {size}",
-        member.ty.spelled(at.language),
-        member.name
-    );
+    let mut fact = format!("`{}`: offset {offset}, size {size}", declared(member, at.language));
     if let [stride] = member.strides[..] {
         fact.push_str(&format!(", stride {stride}"));
     } else if !member.strides.is_empty() {
@@ -138,6 +163,18 @@ fn field(member: &MemberLayout, at: &Origin<'_>) -> Vec<String> {
     fact.push('.');
     lines.push(fact);
     lines
+}
+
+/// A member as its language declares it.
+fn declared(member: &MemberLayout, language: Language) -> String {
+    let (name, ty) = (&member.name, member.ty.spelled(language).to_string());
+    match language {
+        Language::Glsl => {
+            let (of, dims) = ty.split_at(ty.find('[').unwrap_or(ty.len()));
+            format!("{of} {name}{dims}")
+        }
+        Language::Wgsl => format!("{name}: {ty}"),
+    }
 }
 
 /// An empty line between what was said and what follows.

@@ -28,7 +28,7 @@ pub(super) fn mirrors(out: &Printer<'_>, text: &mut String) {
 fn structure(out: &Printer<'_>, text: &mut String, id: MadeId, mirror: &Mirror) {
     let docs = &out.plan.docs[&id];
     let public = out.visibility();
-    doc(text, "", &docs.lines);
+    doc(text, "", &docs.lines());
     let _ = writeln!(text, "#[repr(C)]\n{DERIVES}");
     let gaps = mirror.gaps();
     if mirror.fields.is_empty() && gaps.iter().all(Option::is_none) {

@@ -148,7 +148,8 @@ impl Scope {
         loop {
             // `light2` becomes `light2_2`, not `light22`.
             let digit = bare.ends_with(|c: char| c.is_ascii_digit());
-            let camel = bare.starts_with(|c: char| c.is_ascii_uppercase());
+            let camel = bare.starts_with(|c: char| c.is_ascii_uppercase())
+                && bare.contains(|c: char| c.is_ascii_lowercase());
             let join = if digit || !camel { "_" } else { "" };
             let name = format!("{bare}{join}{next}");
             *next += 1;
@@ -209,5 +210,7 @@ mod tests {
         assert_eq!(scope.take("Light2"), "Light2_2");
         assert_eq!(scope.take("Light"), "Light");
         assert_eq!(scope.take("Light"), "Light3");
+        assert_eq!(scope.take("SIZE"), "SIZE");
+        assert_eq!(scope.take("SIZE"), "SIZE_2");
     }
 }

@@ -96,7 +96,7 @@ fn name_mirrors(plan: &Plan<'_>, scope: &mut Scope, made: &mut [String]) {
 fn marked(plan: &Plan<'_>, name: &str, group: &[MadeId]) -> Vec<String> {
     let mut names = vec![name.to_string(); group.len()];
     for slot in 0..4 {
-        let marks: Vec<&str> = group.iter().map(|id| plan.docs[id].marks[slot]).collect();
+        let marks: Vec<&str> = group.iter().map(|id| plan.docs[id].marks()[slot]).collect();
         let mut seen: FxHashMap<String, Option<&str>> = FxHashMap::default();
         for (name, mark) in names.iter().zip(&marks) {
             let common = seen.entry(name.clone()).or_insert(Some(mark));

@@ -86,7 +86,7 @@ impl<'a> Plan<'a> {
             size: end,
             tail,
         };
-        let id = self.mirror(mirror, || MirrorDoc::of_block(layout, fixed, &origin));
+        let id = self.mirror(mirror, layout.rules, || MirrorDoc::of_block(layout, fixed, &origin));
         if self.planned.insert((id, layout.group, layout.binding), self.blocks.len()).is_none() {
             self.blocks.push(PlannedBlock { layout, shader, input });
         }
@@ -104,7 +104,7 @@ impl<'a> Plan<'a> {
         let fields = self.fields(members, size, &Place { align, ..*at });
         let name = camel(if s.name.is_empty() { &member.name } else { &s.name });
         let origin = self.origin.expect("structures are met in blocks");
-        let id = self.mirror(Mirror { name, fields, size, tail: None }, || {
+        let id = self.mirror(Mirror { name, fields, size, tail: None }, at.rules, || {
             MirrorDoc::of_structure(s, members, size, at.rules, &origin)
         });
         Sized { ty: RustType::Made(id), size }
@@ -142,9 +142,12 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn mirror(&mut self, mirror: Mirror, doc: impl FnOnce() -> MirrorDoc) -> MadeId {
+    fn mirror(&mut self, mirror: Mirror, rules: Rules, doc: impl FnOnce() -> MirrorDoc) -> MadeId {
         let made = Made::Mirror(mirror);
         if let Some(id) = self.ids.get(&made) {
+            if let Some(doc) = self.docs.get_mut(id) {
+                doc.also_by(rules);
+            }
             return *id;
         }
         let id = self.push(made);

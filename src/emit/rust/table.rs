@@ -282,8 +282,9 @@ impl core::error::Error for {error} {{}}
     fn pattern(path: &str) -> impl Iterator<Item = u8> + '_ {{
         let mut inside = false;
         path.bytes().filter(move |byte| {{
-            let keep = !inside || *byte == b']';
-            inside = *byte == b'[' || inside && *byte != b']';
+            let bracket = matches!(byte, b'[' | b']');
+            let keep = bracket || !inside;
+            inside = *byte == b'[' || inside && !bracket;
             keep
         }})
     }}
