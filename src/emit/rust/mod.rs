@@ -1,10 +1,10 @@
 //! Rust mirrors of blocks, and tables from a member's name to its offset.
 //!
-//! Reads only the layout model and the comments of the shader. [`plan`] decides
-//! which Rust type stands for each member ([`types`], [`leaf`] and [`array`] are
-//! what it can choose from), [`naming`] and [`names`] give every type its Rust
-//! name, and [`mirror`], [`tail`], [`small`], [`strided`], [`check`] and [`table`]
-//! print one kind of item each. [`docs`] carries the shader's comments over.
+//! Reads only the layout model and the comments of the shader. `plan` decides
+//! which Rust type stands for each member (`types`, `leaf` and `array` are what
+//! it can choose from), `naming` and `names` give every type its Rust name, and
+//! `mirror`, `tail`, `small`, `strided`, `check` and `table` print one kind of
+//! item each. `docs` carries the shader's comments over.
 
 mod array;
 mod check;

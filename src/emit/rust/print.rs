@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use super::names::Scope;
 use super::plan::Plan;
 use super::types::{Component, Made, MadeId, RustType, component};
 use super::{RustOptions, Visibility, naming::Names};
@@ -215,11 +214,4 @@ pub(super) fn indices(count: usize) -> Vec<String> {
         0..=3 => ["i", "j", "k"][..count].iter().map(|name| name.to_string()).collect(),
         _ => (0..count).map(|at| format!("i{at}")).collect(),
     }
-}
-
-/// A fresh scope in which the names of a table module's own items are taken.
-pub(super) fn table_scope() -> Scope {
-    let mut scope = Scope::default();
-    scope.reserve(&["SIZE", "DATA_SIZE", "GROUP", "BINDING", "COUNT", "LEAVES", "lookup"]);
-    scope
 }

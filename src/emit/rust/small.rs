@@ -133,21 +133,21 @@ fn stored(leaf: LeafType, cell: &str) -> String {
 }
 
 fn about(leaf: LeafType) -> String {
-    let components = if leaf.unaligned { ", aligned to 1 byte" } else { "" };
+    let aligned = match leaf.unaligned {
+        true => "aligned to 1 byte",
+        false => "aligned like its components",
+    };
     match leaf.shape {
-        Shape::Scalar => format!("A scalar of {} bytes{components}.", leaf.scalar.width),
-        Shape::Vector { rows } => {
-            format!("A vector of {rows} components, aligned as no vector of glam is{components}.")
-        }
+        Shape::Scalar => format!("A scalar of {} bytes, {aligned}.", leaf.scalar.width),
+        Shape::Vector { rows } => format!("A vector of {rows} components, {aligned}."),
         Shape::Matrix { columns, rows, stride, row_major } => {
             let lines = if row_major { "rows" } else { "columns" };
             format!(
-                "A matrix of {columns} columns and {rows} rows, stored by {lines}, each \
-                 {stride} bytes after the other{components}."
+                "A matrix of {columns} columns and {rows} rows, {aligned}; its {lines} are \
+                 {stride} bytes apart."
             )
         }
     }
-    .replace(", aligned as no vector of glam is, aligned", ", aligned")
 }
 
 fn vector(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {

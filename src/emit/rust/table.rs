@@ -6,9 +6,12 @@ use std::fmt::Write as _;
 use crate::layout::Leaf;
 use crate::shape::ArrayLen;
 
-use super::names::{screaming, snake};
+use super::names::{Scope, screaming, snake};
 use super::plan::PlannedBlock;
-use super::print::{Items, Printer, indices, signature, slice, table_scope};
+use super::print::{Items, Printer, indices, signature, slice};
+
+/// What every table has beside its leaves.
+const OWN_ITEMS: &[&str] = &["SIZE", "DATA_SIZE", "GROUP", "BINDING", "COUNT", "LEAVES", "lookup"];
 
 pub(super) fn tables(out: &Printer<'_>, text: &mut String) {
     if out.plan.blocks.is_empty() {
@@ -49,7 +52,8 @@ fn table(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>, name: &
     if let Some(count) = count(&layout.count) {
         constant("COUNT", "usize", count, "Blocks in the array; each is a buffer of its own.");
     }
-    let mut scope = table_scope();
+    let mut scope = Scope::default();
+    scope.reserve(OWN_ITEMS);
     let mut after_function = true;
     for leaf in &layout.leaves {
         let shown = leaf.ty.spelled(block.shader.language);
@@ -83,15 +87,13 @@ fn table(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>, name: &
     text.push_str("}\n\n");
 }
 
-/// A name that is free, with `suffix` where an item of every table has it.
-fn free(scope: &mut super::names::Scope, wanted: String, suffix: &str) -> String {
-    if scope.is_free(&wanted) {
-        return scope.take(&wanted);
+/// A name that is free; with `suffix` where it is that of an item every table has.
+fn free(scope: &mut Scope, wanted: String, suffix: &str) -> String {
+    if OWN_ITEMS.contains(&wanted.as_str()) {
+        scope.take(&format!("{wanted}{suffix}"))
+    } else {
+        scope.take(&wanted)
     }
-    if table_scope().is_free(&wanted) {
-        return scope.take(&wanted);
-    }
-    scope.take(&format!("{wanted}{suffix}"))
 }
 
 /// Blocks in an array of blocks.
