@@ -14,6 +14,7 @@ mod listing;
 mod markdown;
 mod paint;
 mod place;
+pub mod rust;
 mod table;
 mod words;
 

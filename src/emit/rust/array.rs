@@ -1,0 +1,95 @@
+//! Which Rust type stands for a member: an array of padded elements, or what
+//! its element is.
+//!
+//! Called by [`super::plan`] for every member, calls it back for structures.
+
+use crate::layout::MemberLayout;
+use crate::shape::{ArrayLen, Type};
+
+use super::leaf;
+use super::plan::{Place, Plan};
+use super::types::{Made, Padded, RustType, Sized, Tight};
+
+/// The type of a member at `place`, its dimensions from `dim` on.
+pub(super) fn member_type(
+    plan: &mut Plan,
+    member: &MemberLayout,
+    dim: usize,
+    place: &Place,
+) -> Sized {
+    let Some(len) = member.dims.get(dim) else {
+        return element_type(plan, member, place);
+    };
+    let ArrayLen::Fixed(len) = *len else {
+        unreachable!("runtime-sized members are tails, override-sized ones are refused")
+    };
+    let (len, stride) = (u64::from(len), member.strides[dim]);
+    let align = place.align.min(divisor(stride));
+    if stride * len <= place.room {
+        let element = member_type(plan, member, dim + 1, &Place { room: stride, align, ..*place });
+        let element = padded(plan, element, stride);
+        return Sized { ty: RustType::Array(Box::new(element.ty), len), size: stride * len };
+    }
+    // Scalar rules let the next member begin in the padding of the last element.
+    let before = stride * (len - 1);
+    let room = place.room - before;
+    let align = align.min(divisor(tight_size(member, dim + 1)));
+    let element = member_type(plan, member, dim + 1, &Place { room, align, ..*place });
+    let size = before + element.size;
+    let ty = if len == 1 {
+        RustType::Array(Box::new(element.ty), 1)
+    } else {
+        let head = padded(plan, element.clone(), stride).ty;
+        plan.intern(Made::Tight(Tight { element: element.ty, head, len, size }))
+    };
+    Sized { ty, size }
+}
+
+fn element_type(plan: &mut Plan, member: &MemberLayout, place: &Place) -> Sized {
+    match member.ty.innermost() {
+        Type::Struct(s) => plan.structure(s, member, place),
+        ty => leaf::leaf(plan, ty, member.matrix_stride, member.row_major, place.align),
+    }
+}
+
+/// An element with the padding up to `stride`.
+pub(super) fn padded(plan: &mut Plan, element: Sized, stride: u64) -> Sized {
+    if element.size == stride {
+        return element;
+    }
+    let padded = Padded { inner: element.ty, size: element.size, stride };
+    Sized { ty: plan.intern(Made::Padded(padded)), size: stride }
+}
+
+/// Bytes of a member, its dimensions from `dim` on, without padding after its last element.
+pub(super) fn tight_size(member: &MemberLayout, dim: usize) -> u64 {
+    let mut size = match member.ty.innermost() {
+        Type::Struct(_) => reach(&member.members),
+        Type::Matrix { columns, rows, .. } => {
+            let vectors = if member.row_major { *rows } else { *columns };
+            member.matrix_stride.unwrap_or(0) * u64::from(vectors)
+        }
+        ty => crate::layout::occupied(ty),
+    };
+    for (len, stride) in member.dims[dim..].iter().zip(&member.strides[dim..]).rev() {
+        if let ArrayLen::Fixed(len) = len {
+            size += stride * u64::from(len - 1);
+        }
+    }
+    size
+}
+
+/// Furthest end of any of the members of a structure.
+pub(super) fn reach(members: &[MemberLayout]) -> u64 {
+    members
+        .iter()
+        .map(|m| m.offset.unwrap_or(0) + m.size.unwrap_or_else(|| tight_size(m, 0)))
+        .max()
+        .unwrap_or(0)
+}
+
+/// The largest power of two up to 16 that divides a number of bytes: no type here is aligned
+/// to more than 16.
+pub(super) fn divisor(bytes: u64) -> u64 {
+    1 << bytes.trailing_zeros().min(4)
+}

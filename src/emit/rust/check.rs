@@ -1,0 +1,123 @@
+//! Prints the assertions that hold the mirrors to the shader's layout when
+//! they are compiled: the size of each type, the offset of each field.
+//!
+//! What is asserted follows from explicit padding, whatever glam is aligned to.
+
+use std::fmt::Write as _;
+
+use super::print::{Printer, WIDTH, call};
+use super::types::Made;
+
+pub(super) fn checks(out: &Printer<'_>, text: &mut String) {
+    if out.plan.made.is_empty() {
+        return;
+    }
+    for (at, made) in out.plan.made.iter().enumerate() {
+        let name = &out.names.made[at];
+        match made {
+            Made::Bits(_) => {}
+            Made::Leaf(leaf) => size(out, text, name, leaf.size()),
+            Made::Padded(padded) => size(out, text, name, padded.stride),
+            Made::Tight(tight) => size(out, text, name, tight.size),
+            Made::Mirror(mirror) => {
+                let docs = &out.plan.docs[&super::types::MadeId(at)];
+                let of = format!("`{}` in {}", docs.shader_name, docs.input);
+                assert(out, text, &size_of(name), mirror.size, &format!("size of {of}"));
+                for field in &mirror.fields {
+                    let actual = format!("core::mem::offset_of!({name}, {})", field.name);
+                    let what = format!("offset of `{}` of {of}", field.name);
+                    assert(out, text, &actual, field.offset, &what);
+                }
+            }
+        }
+    }
+    mismatch(out, text);
+}
+
+fn size(out: &Printer<'_>, text: &mut String, name: &str, bytes: u64) {
+    assert(out, text, &size_of(name), bytes, &format!("size of `{name}`"));
+}
+
+fn size_of(name: &str) -> String {
+    format!("core::mem::size_of::<{name}>()")
+}
+
+fn assert(out: &Printer<'_>, text: &mut String, actual: &str, expected: u64, what: &str) {
+    let mismatch = &out.names.mismatch;
+    // `{:?}` quotes what a path may have in it.
+    let arguments = [format!("{what:?}"), expected.to_string(), actual.to_string()];
+    let mut message = String::new();
+    call(&mut message, "    ", &format!("{mismatch}::new"), &arguments, ".text()");
+    let line = format!("    {actual} == {expected},");
+    let condition = match line.len() <= WIDTH {
+        true => line,
+        false => format!("    {actual}\n        == {expected},"),
+    };
+    if actual.len() + 8 >= WIDTH {
+        // Nothing but a name is left to break; where rustfmt would is not worth following.
+        text.push_str("#[rustfmt::skip]\n");
+    }
+    let _ = writeln!(text, "const _: () = assert!(\n{condition}\n    \"{{}}\",\n{message});");
+}
+
+/// The message of a failed assertion: only text known in advance or made by const functions can
+/// stand there.
+fn mismatch(out: &Printer<'_>, text: &mut String) {
+    let name = &out.names.mismatch;
+    let _ = write!(
+        text,
+        "
+/// The message of a failed assertion: what differs, in the shader and in its mirror.
+struct {name} {{
+    text: [u8; 512],
+    len: usize,
+}}
+
+impl {name} {{
+    const fn new(what: &str, shader: usize, mirror: usize) -> Self {{
+        let empty = Self {{
+            text: [0; 512],
+            len: 0,
+        }};
+        empty
+            .word(what)
+            .word(\": \")
+            .number(shader)
+            .word(\" bytes in the shader, \")
+            .number(mirror)
+            .word(\" in its mirror\")
+    }}
+
+    const fn word(mut self, word: &str) -> Self {{
+        let bytes = word.as_bytes();
+        let mut at = 0;
+        while at < bytes.len() && self.len < self.text.len() {{
+            self.text[self.len] = bytes[at];
+            self.len += 1;
+            at += 1;
+        }}
+        self
+    }}
+
+    const fn number(self, number: usize) -> Self {{
+        let before = if number < 10 {{
+            self
+        }} else {{
+            self.number(number / 10)
+        }};
+        match core::str::from_utf8(&[b'0' + (number % 10) as u8]) {{
+            Ok(digit) => before.word(digit),
+            Err(_) => before,
+        }}
+    }}
+
+    const fn text(&self) -> &str {{
+        match core::str::from_utf8(self.text.split_at(self.len).0) {{
+            Ok(text) => text,
+            Err(_) => \"a mirror is not laid out as its shader\",
+        }}
+    }}
+}}
+"
+    );
+}

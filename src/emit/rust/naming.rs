@@ -1,0 +1,191 @@
+//! Every type and module of the output gets a name of its own.
+//!
+//! Reads [`super::plan`] when it is complete, because a name depends on who
+//! else asks for it: two mirrors of one structure get the rules into their
+//! names, a single one does not. Mirrors come first; the helpers yield.
+
+use rustc_hash::FxHashMap;
+
+use super::Tables;
+use super::names::{Scope, camel, module};
+use super::plan::Plan;
+use super::types::{LeafType, Made, MadeId, Padded, RustType, Shape};
+use crate::shape::{Scalar, ScalarKind};
+
+/// The names of everything that is written at the top of the output.
+pub(super) struct Names {
+    /// Of each made type.
+    pub(super) made: Vec<String>,
+    /// Of the type of a runtime-sized tail's elements, by its header.
+    pub(super) elements: FxHashMap<MadeId, String>,
+    /// Of each block's table.
+    pub(super) tables: Vec<String>,
+    pub(super) mismatch: String,
+    pub(super) too_short: String,
+    pub(super) leaf: String,
+    pub(super) lookup_error: String,
+    pub(super) look_up: String,
+}
+
+pub(super) fn name_all(plan: &Plan<'_>, tables: Tables) -> Names {
+    let mut scope = Scope::default();
+    let mut made = vec![String::new(); plan.made.len()];
+    name_mirrors(plan, &mut scope, &mut made);
+    let mut elements = FxHashMap::default();
+    for (id, mirror) in plan.mirrors() {
+        if let Some(tail) = &mirror.tail {
+            elements.insert(id, scope.take(&tail.name));
+        }
+    }
+    // Inner types stand before those made of them, so their names are there.
+    for (at, one) in plan.made.iter().enumerate() {
+        let wanted = match one {
+            Made::Mirror(_) => continue,
+            Made::Bits(bits) => bits.name().to_string(),
+            Made::Leaf(leaf) => leaf_name(*leaf),
+            Made::Padded(Padded { inner, stride, .. }) => {
+                format!("{}Stride{stride}", type_name(inner, &made))
+            }
+            Made::Tight(tight) => {
+                format!("{}Tight{}", type_name(&tight.head, &made), tight.len)
+            }
+        };
+        made[at] = scope.take(&wanted);
+    }
+    let mut top = |wanted| scope.take(wanted);
+    Names {
+        made,
+        elements,
+        mismatch: top("Mismatch"),
+        too_short: top("TooShort"),
+        leaf: top("Leaf"),
+        lookup_error: top("LookupError"),
+        look_up: top("look_up"),
+        tables: match tables {
+            Tables::Beside => table_names(plan, &mut scope),
+            Tables::Without => Vec::new(),
+        },
+    }
+}
+
+fn name_mirrors(plan: &Plan<'_>, scope: &mut Scope, made: &mut [String]) {
+    let mut asking: FxHashMap<&str, Vec<MadeId>> = FxHashMap::default();
+    for (id, mirror) in plan.mirrors() {
+        asking.entry(&mirror.name).or_default().push(id);
+    }
+    // Whoever is alone keeps the plain name.
+    for (id, mirror) in plan.mirrors() {
+        if asking[mirror.name.as_str()].len() == 1 {
+            made[id.0] = scope.take(&mirror.name);
+        }
+    }
+    let mut groups: FxHashMap<&str, Vec<String>> = FxHashMap::default();
+    for (id, mirror) in plan.mirrors() {
+        let group = &asking[mirror.name.as_str()];
+        if group.len() > 1 {
+            let names =
+                groups.entry(&mirror.name).or_insert_with(|| marked(plan, &mirror.name, group));
+            let at = group.binary_search(&id).expect("ids are collected in order");
+            made[id.0] = scope.take(&names[at]);
+        }
+    }
+}
+
+/// The names of mirrors that ask for the same one: each with the marks that tell some of them
+/// apart. What stays equal is numbered by the caller.
+fn marked(plan: &Plan<'_>, name: &str, group: &[MadeId]) -> Vec<String> {
+    let mut names = vec![name.to_string(); group.len()];
+    for slot in 0..4 {
+        let marks: Vec<&str> = group.iter().map(|id| plan.docs[id].marks()[slot]).collect();
+        let mut seen: FxHashMap<String, Option<&str>> = FxHashMap::default();
+        for (name, mark) in names.iter().zip(&marks) {
+            let common = seen.entry(name.clone()).or_insert(Some(mark));
+            *common = common.filter(|one| one == mark);
+        }
+        for (name, mark) in names.iter_mut().zip(marks) {
+            if seen[name.as_str()].is_none() {
+                name.push_str(mark);
+            }
+        }
+    }
+    names
+}
+
+fn table_names(plan: &Plan<'_>, scope: &mut Scope) -> Vec<String> {
+    let mut asking: FxHashMap<String, u32> = FxHashMap::default();
+    let names: Vec<String> = plan.blocks.iter().map(|block| module(&block.layout.name)).collect();
+    for name in &names {
+        *asking.entry(name.clone()).or_default() += 1;
+    }
+    let blocks = plan.blocks.iter().zip(names);
+    blocks
+        .map(|(block, name)| {
+            let instance = block.layout.instance.as_deref();
+            let both = instance.filter(|_| asking[&name] > 1 || !scope.is_free(&name));
+            match both {
+                Some(instance) => scope.take(&module(&format!("{}_{instance}", block.layout.name))),
+                None => scope.take(&name),
+            }
+        })
+        .collect()
+}
+
+/// `Vec3`, `F32`, `LightX4`: a type's name as part of another's.
+fn type_name(ty: &RustType, made: &[String]) -> String {
+    match ty {
+        RustType::Named(name) => camel(name.rsplit("::").next().unwrap_or(name)),
+        RustType::Array(element, len) => format!("{}X{len}", type_name(element, made)),
+        RustType::Made(id) => made[id.0].clone(),
+    }
+}
+
+/// `Mat3Stride16`, `Vec4Packed`, `DVec3Unaligned`.
+fn leaf_name(leaf: LeafType) -> String {
+    let mut name = match leaf.shape {
+        Shape::Scalar => scalar_name(leaf.scalar).to_string(),
+        Shape::Vector { rows } => format!("{}Vec{rows}", prefix(leaf.scalar)),
+        Shape::Matrix { columns, rows, stride, row_major } => {
+            let size =
+                if columns == rows { columns.to_string() } else { format!("{columns}x{rows}") };
+            let order = if row_major { "RowMajor" } else { "" };
+            format!("{}Mat{size}{order}Stride{stride}", prefix(leaf.scalar))
+        }
+    };
+    if leaf.unaligned {
+        name.push_str("Unaligned");
+    } else if matches!(leaf.shape, Shape::Vector { .. }) {
+        name.push_str("Packed");
+    }
+    name
+}
+
+fn prefix(scalar: Scalar) -> &'static str {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 4) => "",
+        (ScalarKind::Float, 8) => "D",
+        (ScalarKind::Sint, 4) => "I",
+        (ScalarKind::Uint, 4) => "U",
+        (ScalarKind::Bool, _) => "B",
+        _ => scalar_name(scalar),
+    }
+}
+
+fn scalar_name(scalar: Scalar) -> &'static str {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => "Bool",
+        (ScalarKind::Sint, 1) => "I8",
+        (ScalarKind::Sint, 2) => "I16",
+        (ScalarKind::Sint, 8) => "I64",
+        (ScalarKind::Sint, _) => "I32",
+        (ScalarKind::Uint, 1) => "U8",
+        (ScalarKind::Uint, 2) => "U16",
+        (ScalarKind::Uint, 8) => "U64",
+        (ScalarKind::Uint, _) => "U32",
+        (ScalarKind::Float, 2) => "F16",
+        (ScalarKind::Float, 8) => "F64",
+        (ScalarKind::Float, _) => "F32",
+        (ScalarKind::Bfloat, _) => "Bf16",
+        (ScalarKind::FloatE5m2, _) => "F8E5m2",
+        (ScalarKind::FloatE4m3, _) => "F8E4m3",
+    }
+}

@@ -1,0 +1,53 @@
+//! Which blocks have no mirror, and what is said about them.
+
+use crate::diagnostic::Diagnostic;
+use crate::layout::{BlockLayout, MemberLayout};
+use crate::shape::{AddressSpace, ArrayLen};
+use crate::source::Language;
+
+/// No Rust type is larger than `isize::MAX` bytes; mirrors are to compile for 32-bit targets too.
+const LARGEST_MIRROR: u64 = i32::MAX as u64;
+
+/// Why a block cannot be mirrored, if it cannot.
+pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnostic> {
+    let name = &block.name;
+    if block.space == AddressSpace::Default {
+        let message = "the loose uniforms have no mirror: they are set one by one";
+        return Some(
+            Diagnostic::warning("not-mirrored", block.span, message)
+                .with_help("lay them out as one block with `--gather`"),
+        );
+    }
+    if let Some((member, constant)) = block.members.iter().find_map(sized_by_override) {
+        let message = format!(
+            "block `{name}` has no mirror: the size of `{}` depends on `{constant}`, \
+             which has no value",
+            member.name
+        );
+        let kind = match language {
+            Language::Glsl => "specialisation constant",
+            Language::Wgsl => "override",
+        };
+        return Some(
+            Diagnostic::error("not-mirrored", member.span, message)
+                .with_help(format!("give the {kind} a value: `-O {constant}=16`")),
+        );
+    }
+    let size = block.size.unwrap_or(0);
+    if size > LARGEST_MIRROR {
+        let message = format!("block `{name}` has no mirror: it is {size} bytes large");
+        return Some(Diagnostic::error("not-mirrored", block.span, message).with_note(format!(
+            "a Rust type is at most `isize::MAX` bytes large, {LARGEST_MIRROR} on 32-bit targets"
+        )));
+    }
+    None
+}
+
+/// The first member whose size hangs on a constant without a value, and that constant's name.
+fn sized_by_override(member: &MemberLayout) -> Option<(&MemberLayout, &str)> {
+    let own = member.dims.iter().find_map(|len| match len {
+        ArrayLen::Override(name) => Some((member, &**name)),
+        ArrayLen::Fixed(_) | ArrayLen::Runtime => None,
+    });
+    own.or_else(|| member.members.iter().find_map(sized_by_override))
+}

@@ -1,0 +1,257 @@
+//! Prints the small types that mirrors are made of: `Bool`, `F16`, matrices and
+//! vectors that glam does not fit. [`super::strided`] prints the padded ones.
+
+use std::fmt::Write as _;
+
+use super::print::{DERIVES, Printer, default, doc, implement, signature};
+use super::types::{Bits, Component, LeafType, Made, Shape, component};
+use super::{Vectors, leaf, strided, tail};
+
+pub(super) fn small_types(out: &Printer<'_>, text: &mut String) {
+    for (at, made) in out.plan.made.iter().enumerate() {
+        let name = &out.names.made[at];
+        match made {
+            Made::Mirror(_) => {}
+            Made::Bits(Bits::Bool) => bool_type(out, text, name),
+            Made::Bits(bits) => bits_type(out, text, name, *bits),
+            Made::Leaf(leaf) => leaf_type(out, text, name, *leaf),
+            Made::Padded(one) => strided::padded(out, text, name, one),
+            Made::Tight(tight) => strided::tight(out, text, name, tight),
+        }
+    }
+    if out.plan.mirrors().any(|(_, mirror)| mirror.tail.is_some()) {
+        tail::too_short(out, text);
+    }
+}
+
+fn bool_type(out: &Printer<'_>, text: &mut String, name: &str) {
+    let public = out.visibility();
+    let _ = write!(
+        text,
+        "/// A `bool` as shaders store it: 4 bytes, where all but 0 is true.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+{public} struct {name}(u32);
+
+impl From<bool> for {name} {{
+    fn from(value: bool) -> Self {{
+        Self(value as u32)
+    }}
+}}
+
+impl From<{name}> for bool {{
+    fn from(value: {name}) -> Self {{
+        value.0 != 0
+    }}
+}}
+
+"
+    );
+}
+
+fn bits_type(out: &Printer<'_>, text: &mut String, name: &str, bits: Bits) {
+    let public = out.visibility();
+    let (what, ty) = match bits {
+        Bits::Bool => unreachable!("printed by `bool_type`"),
+        Bits::F16 => ("A 16-bit float (IEEE 754 binary16)", "u16"),
+        Bits::Bf16 => ("A 16-bit float with the 8 exponent bits of a 32-bit one", "u16"),
+        Bits::F8E5m2 => ("An 8-bit float with 5 exponent bits", "u8"),
+        Bits::F8E4m3 => ("An 8-bit float with 4 exponent bits", "u8"),
+    };
+    let _ = write!(
+        text,
+        "/// {what}, as its bits.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+{public} struct {name}({public} {ty});
+
+#[allow(dead_code)]
+impl {name} {{
+    /// From its bits, such as `half::f16::to_bits` gives for 16-bit floats.
+    {public} const fn from_bits(bits: {ty}) -> Self {{
+        Self(bits)
+    }}
+
+    /// Its bits.
+    {public} const fn to_bits(self) -> {ty} {{
+        self.0
+    }}
+}}
+
+"
+    );
+}
+
+/// A leaf as the array of components that a program would have.
+struct Plain {
+    /// One component.
+    component: String,
+    /// `f32`, `[f32; 3]`, or `[[f32; 3]; 2]`: two columns of three.
+    ty: String,
+}
+
+fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
+    let component = out.component(leaf.scalar).to_string();
+    let ty = match leaf.shape {
+        Shape::Scalar => component.clone(),
+        Shape::Vector { rows } => format!("[{component}; {rows}]"),
+        Shape::Matrix { columns, rows, .. } => format!("[[{component}; {rows}]; {columns}]"),
+    };
+    let plain = Plain { component, ty };
+    let cell = match leaf.unaligned {
+        true => format!("[u8; {}]", leaf.scalar.width),
+        false => plain.component.clone(),
+    };
+    let stored = stored(leaf, &cell);
+    doc(text, "", &[about(leaf)]);
+    let transparent = "#[repr(transparent)]";
+    let _ =
+        write!(text, "{transparent}\n{DERIVES}\n{} struct {name}({stored});\n\n", out.visibility());
+    default(text, name);
+    match leaf.shape {
+        Shape::Scalar | Shape::Vector { .. } => vector(text, name, &plain, leaf),
+        Shape::Matrix { row_major, .. } => matrix(text, name, &plain, leaf, row_major),
+    }
+    if matches!(self::component(leaf.scalar), Component::Bits(Bits::Bool)) {
+        bools(text, name, &plain, leaf.shape);
+    }
+    if out.options.vectors == Vectors::Glam {
+        glam(text, name, &plain, leaf);
+    }
+}
+
+/// The type inside.
+fn stored(leaf: LeafType, cell: &str) -> String {
+    match leaf.shape {
+        Shape::Scalar => cell.to_string(),
+        Shape::Vector { rows } => format!("[{cell}; {rows}]"),
+        Shape::Matrix { stride, .. } => {
+            let lanes = stride / u64::from(leaf.scalar.width);
+            format!("[[{cell}; {lanes}]; {}]", leaf.shape.stored().0)
+        }
+    }
+}
+
+fn about(leaf: LeafType) -> String {
+    let aligned = match leaf.unaligned {
+        true => "aligned to 1 byte",
+        false => "aligned like its components",
+    };
+    match leaf.shape {
+        Shape::Scalar => format!("A scalar of {} bytes, {aligned}.", leaf.scalar.width),
+        Shape::Vector { rows } => format!("A vector of {rows} components, {aligned}."),
+        Shape::Matrix { columns, rows, stride, row_major } => {
+            let lines = if row_major { "rows" } else { "columns" };
+            format!(
+                "A matrix of {columns} columns and {rows} rows, {aligned}; its {lines} are \
+                 {stride} bytes apart."
+            )
+        }
+    }
+}
+
+fn vector(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
+    let ty = &plain.ty;
+    let (to, from) = match leaf.unaligned {
+        true => ("Self(bytemuck::cast(value))", "bytemuck::cast(value.0)"),
+        false => ("Self(value)", "value.0"),
+    };
+    conversion(text, ty, name, "value", to);
+    conversion(text, name, ty, "value", from);
+}
+
+fn matrix(text: &mut String, name: &str, plain: &Plain, leaf: LeafType, row_major: bool) {
+    let ty = &plain.ty;
+    let place = if row_major { "[r][c]" } else { "[c][r]" };
+    let (cell, value) = match leaf.unaligned {
+        true => ("bytemuck::cast(*value)", format!("bytemuck::cast(matrix.0{place})")),
+        false => ("*value", format!("matrix.0{place}")),
+    };
+    implement(text, &format!("From<{ty}>"), name);
+    let _ = write!(
+        text,
+        "    /// From its columns.
+    fn from(columns: {ty}) -> Self {{
+        let mut matrix = Self::default();
+        for (c, column) in columns.iter().enumerate() {{
+            for (r, value) in column.iter().enumerate() {{
+                matrix.0{place} = {cell};
+            }}
+        }}
+        matrix
+    }}
+}}
+
+"
+    );
+    implement(text, &format!("From<{name}>"), ty);
+    let _ = write!(
+        text,
+        "    /// Its columns.
+    fn from(matrix: {name}) -> Self {{
+        core::array::from_fn(|c| core::array::from_fn(|r| {value}))
+    }}
+}}
+
+"
+    );
+}
+
+/// From and to glam's type, or columns of glam's vectors.
+fn glam(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
+    let ty = &plain.ty;
+    match leaf.shape {
+        Shape::Scalar => {}
+        Shape::Vector { rows } => {
+            if let Some(glam) = leaf::glam_vector(leaf.scalar, rows) {
+                conversion(text, glam, name, "value", "value.to_array().into()");
+                let back = format!("{glam}::from_array(value.into())");
+                conversion(text, name, glam, "value", &back);
+            }
+        }
+        Shape::Matrix { columns, rows, .. } => {
+            let square = leaf::glam_matrix(leaf.scalar, columns).filter(|_| columns == rows);
+            if let Some((glam, _)) = square {
+                conversion(text, glam, name, "matrix", "matrix.to_cols_array_2d().into()");
+                let back = format!("{glam}::from_cols_array_2d(&matrix.into())");
+                conversion(text, name, glam, "matrix", &back);
+            } else if let Some(column) = leaf::glam_vector(leaf.scalar, rows) {
+                let of = format!("[{column}; {columns}]");
+                conversion(
+                    text,
+                    &of,
+                    name,
+                    "columns",
+                    "Self::from(columns.map(|column| column.to_array()))",
+                );
+                let back = format!("<{ty}>::from(matrix).map(Into::into)");
+                conversion(text, name, &of, "matrix", &back);
+            }
+        }
+    }
+}
+
+/// From and to plain `bool`s.
+fn bools(text: &mut String, name: &str, plain: &Plain, shape: Shape) {
+    let own = &plain.component;
+    match shape {
+        Shape::Scalar => {
+            conversion(text, "bool", name, "value", &format!("{own}::from(value).into()"));
+            conversion(text, name, "bool", "value", &format!("{own}::from(value).into()"));
+        }
+        Shape::Vector { rows } => {
+            let of = format!("[bool; {rows}]");
+            conversion(text, &of, name, "value", &format!("Self::from(value.map({own}::from))"));
+            let back = format!("<[{own}; {rows}]>::from(value).map(Into::into)");
+            conversion(text, name, &of, "value", &back);
+        }
+        Shape::Matrix { .. } => unreachable!("no language has matrices of bools"),
+    }
+}
+
+/// `impl From<FROM> for TO` with a body of one expression.
+pub(super) fn conversion(text: &mut String, from: &str, to: &str, value: &str, body: &str) {
+    implement(text, &format!("From<{from}>"), to);
+    signature(text, "    ", "fn from", &[format!("{value}: {from}")], " -> Self {");
+    let _ = write!(text, "        {body}\n    }}\n}}\n\n");
+}

@@ -1,0 +1,95 @@
+//! Prints what a block with a runtime-sized tail needs beside the mirror of
+//! the rest: its element's type, its size, and a writer.
+
+use std::fmt::Write as _;
+
+use super::print::{Printer, assignment, doc, signature};
+use super::types::{MadeId, Mirror, RuntimeTail};
+
+pub(super) fn tail(
+    out: &Printer<'_>,
+    text: &mut String,
+    id: MadeId,
+    mirror: &Mirror,
+    tail: &RuntimeTail,
+) {
+    let (header, element) = (out.name(id), &out.names.elements[&id]);
+    let (public, too_short) = (out.visibility(), &out.names.too_short);
+    let RuntimeTail { member, stride, least, .. } = tail;
+    let offset = mirror.size;
+    doc(text, "", &[format!("One element of `{member}`: offset {offset}, stride {stride}.")]);
+    let ty = out.ty(&tail.element);
+    text.push_str("#[allow(dead_code)]\n");
+    assignment(text, "", &format!("{public} type {element}"), " =", &format!("{ty};"));
+    text.push('\n');
+    let times = if *stride == 1 { String::new() } else { format!(" * {stride}") };
+    let before = if offset == 0 { String::new() } else { format!("{offset} + ") };
+    let _ = write!(
+        text,
+        "#[allow(dead_code)]
+impl {header} {{
+    /// Bytes of a buffer that holds `n` elements of `{member}`, at least {least}.
+    {public} const fn size_for(n: usize) -> usize {{
+        match {before}n{times} {{
+            size if size < {least} => {least},
+            size => size,
+        }}
+    }}
+
+    /// Copies this and `elements` to the start of `bytes`, and returns how many bytes that took.
+"
+    );
+    let parameters =
+        ["&self".to_string(), format!("elements: &[{element}]"), "bytes: &mut [u8]".to_string()];
+    let returns = format!(" -> Result<usize, {too_short}> {{");
+    signature(text, "    ", &format!("{public} fn write_to"), &parameters, &returns);
+    let own = match offset {
+        0 => String::new(),
+        _ => format!("                to[..{offset}].copy_from_slice(bytemuck::bytes_of(self));\n"),
+    };
+    let rest = if offset == 0 { "to".to_string() } else { format!("to[{offset}..]") };
+    let _ = write!(
+        text,
+        "        let tail = bytemuck::cast_slice::<_, u8>(elements);
+        let needed = {before}tail.len();
+        let got = bytes.len();
+        match bytes.get_mut(..needed) {{
+            None => Err({too_short} {{ needed, got }}),
+            Some(to) => {{
+{own}                {rest}.copy_from_slice(tail);
+                Ok(needed)
+            }}
+        }}
+    }}
+}}
+
+"
+    );
+}
+
+/// The error of the writers.
+pub(super) fn too_short(out: &Printer<'_>, text: &mut String) {
+    let (public, name) = (out.visibility(), &out.names.too_short);
+    let _ = write!(
+        text,
+        "/// A block does not fit into the bytes it was to be written to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+{public} struct {name} {{
+    /// Bytes it takes.
+    {public} needed: usize,
+    /// Bytes there are.
+    {public} got: usize,
+}}
+
+impl core::fmt::Display for {name} {{
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {{
+        let {name} {{ needed, got }} = self;
+        write!(f, \"the block takes {{needed}} bytes, there are {{got}}\")
+    }}
+}}
+
+impl core::error::Error for {name} {{}}
+
+"
+    );
+}

@@ -1,0 +1,226 @@
+//! The Rust types a mirror is made of.
+//!
+//! [`super::plan`] makes them, the printers read them. A type that is written
+//! into the output is a [`Made`], referred to by its [`MadeId`].
+
+use crate::shape::{Scalar, ScalarKind};
+
+/// A Rust type in a field.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) enum RustType {
+    /// `f32`, `glam::Vec3`: comes from outside.
+    Named(&'static str),
+    /// `[T; N]`.
+    Array(Box<RustType>, u64),
+    /// Written into the output.
+    Made(MadeId),
+}
+
+/// Index of a [`Made`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct MadeId(pub(super) usize);
+
+/// A type with the bytes it takes up.
+#[derive(Clone, Debug)]
+pub(super) struct Sized {
+    pub(super) ty: RustType,
+    pub(super) size: u64,
+}
+
+/// A type that is written into the output.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Made {
+    /// A scalar that Rust has no type for.
+    Bits(Bits),
+    /// A scalar, vector or matrix that glam or plain arrays do not fit.
+    Leaf(LeafType),
+    /// An element with the padding up to the next one.
+    Padded(Padded),
+    /// An array whose last element has no padding after it.
+    Tight(Tight),
+    /// A structure or block.
+    Mirror(Mirror),
+}
+
+/// A scalar that Rust has no type for, or none for in a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Bits {
+    /// 4 bytes, 0 or 1.
+    Bool,
+    F16,
+    Bf16,
+    F8E5m2,
+    F8E4m3,
+}
+
+/// A scalar, vector or matrix stored as an array of components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct LeafType {
+    pub(super) scalar: Scalar,
+    pub(super) shape: Shape,
+    /// Components are kept as bytes, so that the type is aligned to 1.
+    pub(super) unaligned: bool,
+}
+
+/// How many components a leaf has and how they are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Shape {
+    Scalar,
+    Vector { rows: u8 },
+    Matrix { columns: u8, rows: u8, stride: u64, row_major: bool },
+}
+
+/// An element and the padding after it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Padded {
+    pub(super) inner: RustType,
+    /// Bytes of the element alone.
+    pub(super) size: u64,
+    /// Bytes with the padding.
+    pub(super) stride: u64,
+}
+
+/// `len` elements of which the last has no padding after it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Tight {
+    pub(super) element: RustType,
+    /// The element with its padding; the element itself where there is none.
+    pub(super) head: RustType,
+    pub(super) len: u64,
+    /// Bytes of the whole.
+    pub(super) size: u64,
+}
+
+/// A structure or block, or the part of a block before its runtime-sized tail.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Mirror {
+    /// The name it asks for.
+    pub(super) name: String,
+    /// In ascending order of offset.
+    pub(super) fields: Vec<Field>,
+    /// Bytes, padding at the end included.
+    pub(super) size: u64,
+    /// The runtime-sized array that follows it.
+    pub(super) tail: Option<RuntimeTail>,
+}
+
+/// A runtime-sized array at the end of a block; starts where the mirror of the rest ends.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct RuntimeTail {
+    /// The array's name in the shader.
+    pub(super) member: String,
+    /// The name its element's type asks for.
+    pub(super) name: String,
+    /// One element, padding included.
+    pub(super) element: RustType,
+    pub(super) stride: u64,
+    /// Bytes a buffer must hold at least.
+    pub(super) least: u64,
+}
+
+/// A member in a mirror.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Field {
+    pub(super) name: String,
+    pub(super) ty: RustType,
+    pub(super) offset: u64,
+    /// Bytes of `ty`.
+    pub(super) size: u64,
+    /// Its place among the members in the order of the text.
+    pub(super) order: usize,
+}
+
+/// Bytes between fields or after the last one.
+pub(super) struct Gap {
+    pub(super) offset: u64,
+    pub(super) size: u64,
+}
+
+impl Mirror {
+    /// The padding before each field, and after the last one.
+    pub(super) fn gaps(&self) -> Vec<Option<Gap>> {
+        let mut end = 0;
+        let starts = self.fields.iter().map(|f| (f.offset, f.offset + f.size));
+        starts
+            .chain([(self.size, self.size)])
+            .map(|(start, next)| {
+                let gap = (start > end).then(|| Gap { offset: end, size: start - end });
+                end = next;
+                gap
+            })
+            .collect()
+    }
+
+    /// Its fields in the order of the text.
+    pub(super) fn in_text_order(&self) -> Vec<&Field> {
+        let mut fields: Vec<&Field> = self.fields.iter().collect();
+        fields.sort_by_key(|field| field.order);
+        fields
+    }
+}
+
+impl LeafType {
+    /// Bytes, padding between columns (rows) and after the last one included.
+    pub(super) fn size(self) -> u64 {
+        let (vectors, components) = self.shape.stored();
+        match self.shape {
+            Shape::Matrix { stride, .. } => stride * u64::from(vectors),
+            Shape::Scalar | Shape::Vector { .. } => {
+                u64::from(self.scalar.width) * u64::from(components)
+            }
+        }
+    }
+}
+
+impl Shape {
+    /// Vectors and components in each, as stored: columns of a column-major matrix, rows of a
+    /// row-major one.
+    pub(super) fn stored(self) -> (u8, u8) {
+        match self {
+            Shape::Scalar => (1, 1),
+            Shape::Vector { rows } => (1, rows),
+            Shape::Matrix { columns, rows, row_major: false, .. } => (columns, rows),
+            Shape::Matrix { columns, rows, row_major: true, .. } => (rows, columns),
+        }
+    }
+}
+
+/// What a component is in Rust.
+pub(super) enum Component {
+    Plain(&'static str),
+    Bits(Bits),
+}
+
+/// The Rust type of a component.
+pub(super) fn component(scalar: Scalar) -> Component {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => Component::Bits(Bits::Bool),
+        (ScalarKind::Sint, 1) => Component::Plain("i8"),
+        (ScalarKind::Sint, 2) => Component::Plain("i16"),
+        (ScalarKind::Sint, 8) => Component::Plain("i64"),
+        (ScalarKind::Sint, _) => Component::Plain("i32"),
+        (ScalarKind::Uint, 1) => Component::Plain("u8"),
+        (ScalarKind::Uint, 2) => Component::Plain("u16"),
+        (ScalarKind::Uint, 8) => Component::Plain("u64"),
+        (ScalarKind::Uint, _) => Component::Plain("u32"),
+        (ScalarKind::Float, 2) => Component::Bits(Bits::F16),
+        (ScalarKind::Float, 8) => Component::Plain("f64"),
+        (ScalarKind::Float, _) => Component::Plain("f32"),
+        (ScalarKind::Bfloat, _) => Component::Bits(Bits::Bf16),
+        (ScalarKind::FloatE5m2, _) => Component::Bits(Bits::F8E5m2),
+        (ScalarKind::FloatE4m3, _) => Component::Bits(Bits::F8E4m3),
+    }
+}
+
+impl Bits {
+    /// The name it asks for.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Bits::Bool => "Bool",
+            Bits::F16 => "F16",
+            Bits::Bf16 => "Bf16",
+            Bits::F8E5m2 => "F8E5m2",
+            Bits::F8E4m3 => "F8E4m3",
+        }
+    }
+}
