@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod buffer;
+pub mod build_script;
 pub mod diagnostic;
 pub mod emit;
 pub mod error;
@@ -11,6 +12,7 @@ pub mod shape;
 pub mod source;
 
 pub use buffer::{Buffer, BufferError};
+pub use build_script::{Build, BuildError};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::Error;
 pub use layout::{BlockLayout, Leaf, MemberLayout};
