@@ -49,6 +49,10 @@ pub struct CLeaf {
     pub block: String,
     /// The name its macros begin with: `POINT_LIGHT_BLOCK`.
     pub macros: String,
+    /// The macro of its offset: `POINT_LIGHT_BLOCK_DATA_POS_OFFSET`; takes the indices, if any.
+    pub offset: String,
+    /// The block's function from a path to an offset: `point_light_block_lookup`.
+    pub lookup: String,
     /// The structure of the block; `None` when the block is a runtime-sized array only.
     pub structure: Option<String>,
     /// The leaf's path in the shader: `data[].pos`.

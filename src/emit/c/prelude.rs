@@ -82,9 +82,9 @@ static inline int64_t landfall_lookup(const landfall_leaf *leaves, size_t count,
 "#;
 
 /// A definition that may stand in several headers of one file: once, or it is an error to have
-/// it with another content.
-pub(super) fn once(guard: &str, what: &str, text: &str) -> String {
-    let hash = hash(text);
+/// it with other facts.
+pub(super) fn once(guard: &str, what: &str, facts: &str, text: &str) -> String {
+    let hash = hash(facts);
     format!(
         "#ifndef {guard}\n\
          #define {guard} 0x{hash:016x}u\n\

@@ -24,6 +24,8 @@ impl Mirror {
             leaves.push(CLeaf {
                 block: block.name.to_string(),
                 macros: section.macros.clone(),
+                offset: section.offsets[leaves.len()].clone(),
+                lookup: section.lookup.clone(),
                 structure: self.structure.clone(),
                 path,
                 access,

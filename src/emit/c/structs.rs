@@ -26,12 +26,12 @@ pub(super) fn header(
     for made in &types.structs {
         let guard = format!("LANDFALL_TYPE_{}", made.name);
         text.push('\n');
-        text.push_str(&once(&guard, &made.name, &structure(made)));
+        text.push_str(&once(&guard, &made.name, &made.signature(), &structure(made)));
     }
     for section in sections {
         text.push('\n');
         let guard = format!("LANDFALL_BLOCK_{}", section.macros);
-        text.push_str(&once(&guard, &section.macros, &section.text));
+        text.push_str(&once(&guard, &section.macros, &section.facts, &section.text));
     }
     text.push_str(&format!("\n#endif /* {guard} */\n"));
     text

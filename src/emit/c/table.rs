@@ -21,9 +21,13 @@ pub(super) struct Section {
     pub macros: String,
     /// The function that finds the elements of its runtime-sized tail.
     pub tail: Option<String>,
+    /// The macro of each leaf's offset, in the order of the leaves.
+    pub offsets: Vec<String>,
+    /// The function from a path to an offset.
+    pub lookup: String,
     pub text: String,
     /// What it says, so that it is said once.
-    facts: String,
+    pub facts: String,
 }
 
 /// Writes a block's section; `None` when an earlier one says the same of the same block.
@@ -47,9 +51,9 @@ pub(super) fn section(
     let mut text = heading(block, shader);
     constants(block, mirror, &macros, names, &mut text);
     let tail = tail(mirror, &macros, names, &mut text);
-    offsets(block, &macros, names, &mut text);
-    rows(block, shader, &macros, names, &mut text);
-    Some(Section { macros, tail, text, facts })
+    let offsets = offsets(block, &macros, names, &mut text);
+    let lookup = rows(block, shader, &macros, names, &mut text);
+    Some(Section { macros, tail, offsets, lookup, text, facts })
 }
 
 /// What a block's macros begin with: its name, and its instance or a number where that is taken.
@@ -144,7 +148,9 @@ fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> 
     Some(function)
 }
 
-fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut String) {
+/// The offset macros; returns their names.
+fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut String) -> Vec<String> {
+    let mut all = Vec::with_capacity(block.leaves.len());
     for leaf in &block.leaves {
         let path = leaf.path.replace("[]", "");
         let parts: Vec<String> = path.split('.').map(|part| names.upper_part(part)).collect();
@@ -152,6 +158,7 @@ fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut Stri
         let offset = number(leaf.offset.unwrap_or(0));
         if leaf.dims.is_empty() {
             text.push_str(&format!("#define {name} {offset}\n"));
+            all.push(name);
             continue;
         }
         let indices = &INDICES[..leaf.dims.len()];
@@ -159,16 +166,19 @@ fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut Stri
         let terms: String =
             terms.map(|(stride, i)| format!(" + {} * (size_t)({i})", number(*stride))).collect();
         text.push_str(&format!("#define {name}({}) ({offset}{terms})\n", indices.join(", ")));
+        all.push(name);
     }
+    all
 }
 
+/// The table of names and the function that searches it; returns the function's name.
 fn rows(
     block: &BlockLayout,
     shader: &ShaderLayout,
     macros: &str,
     names: &mut Names,
     text: &mut String,
-) {
+) -> String {
     let table = names.claim(format!("{macros}_LEAVES"));
     text.push_str(&format!("static const landfall_leaf {table}[] = {{\n"));
     for leaf in &block.leaves {
@@ -181,6 +191,7 @@ fn rows(
          static inline int64_t {lookup}(const char *path, const landfall_leaf **found)\n{{\n    \
          return landfall_lookup({table}, sizeof({table}) / sizeof({table}[0]), path, found);\n}}\n",
     ));
+    lookup
 }
 
 fn row(leaf: &Leaf, shader: &ShaderLayout) -> String {

@@ -284,6 +284,11 @@ impl Types {
 }
 
 impl CStruct {
+    /// What it is made of, comments aside.
+    pub fn signature(&self) -> String {
+        signature(&self.fields, self.size, self.tail.as_ref())
+    }
+
     fn new(name: String, fields: Vec<Field>, size: u64) -> CStruct {
         CStruct {
             name,
