@@ -156,7 +156,13 @@ impl Types {
             let ty = self.member_type(member, rules, shader, names)?;
             let field = field(member, ty, shader, names, &taken);
             if field.offset < at {
-                return Err(overlap(&fields, at, field.offset, &member.name, member.span));
+                return Err(overlap(
+                    &fields,
+                    at,
+                    field.offset,
+                    &format!("`{}`", member.name),
+                    member.span,
+                ));
             }
             pad(&mut fields, &mut taken, at, field.offset);
             at = field.offset + field.ty.size;
