@@ -12,6 +12,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part of the harness")]
 
 pub mod blocks;
+pub mod c;
 pub mod driver;
 pub mod fold;
 pub mod generate;

@@ -375,8 +375,8 @@ fn fitting_alignment(made: &CStruct, natural: u64) -> u64 {
     let mut align = natural;
     while align > 1 {
         let mut all = made.fields.iter().chain(&made.tail);
-        let fits = all.all(|f| f.offset % f.ty.align.min(align) == 0);
-        if fits && made.size % align == 0 {
+        let fits = all.all(|f| f.offset.is_multiple_of(f.ty.align.min(align)));
+        if fits && made.size.is_multiple_of(align) {
             break;
         }
         align /= 2;
