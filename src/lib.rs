@@ -5,6 +5,7 @@ pub mod emit;
 pub mod error;
 pub mod layout;
 pub mod parse;
+pub mod port;
 pub mod shape;
 pub mod source;
 
