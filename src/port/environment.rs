@@ -3,6 +3,7 @@
 
 use super::edits::Edits;
 use super::shader::Shader;
+use crate::source::Target;
 
 /// Extensions whose words are part of GLSL 4.50, or that are asked for in vain.
 const ABSORBED: &[&str] = &[
@@ -135,6 +136,7 @@ fn seen(shader: &Shader<'_>, name: &str, enabled: &[&str]) -> Option<Option<u32>
         "GL_FRAGMENT_PRECISION_HIGH" => Some(es.then_some(1)),
         "GL_core_profile" => (es || version < 150).then_some(None),
         "GL_compatibility_profile" => None,
+        "VULKAN" => (shader.raw.target == Target::OpenGl).then_some(None),
         _ => {
             let vendor = name.strip_prefix("GL_")?.split('_').next()?;
             let extension = !vendor.is_empty() && vendor.chars().all(|c| c.is_ascii_uppercase());

@@ -22,8 +22,8 @@ mod words;
 
 use crate::parse::glsl::raw;
 use crate::shape::AddressSpace;
-use crate::source::{Language, ReadOptions, Source, Span, Stage};
-use crate::{Diagnostic, Options, Severity, layout};
+use crate::source::{Language, ReadOptions, Source, Span, Stage, Target};
+use crate::{BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
 use edits::Edits;
 use hoist::Handles;
 pub use interface::Direction;
@@ -77,6 +77,21 @@ pub struct Ported {
     pub renamed: Vec<(String, String)>,
 }
 
+impl Ported {
+    /// The path a member of the block has now: `sample.rate` may be `sample_.rate`.
+    pub fn new_path(&self, path: &str) -> String {
+        let new = |name: &str| {
+            let found = self.renamed.iter().find(|(old, _)| old == name);
+            found.map_or(name.to_string(), |(_, new)| new.clone())
+        };
+        let parts = path.split('.').map(|part| {
+            let (name, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
+            format!("{}{brackets}", new(name))
+        });
+        parts.collect::<Vec<_>>().join(".")
+    }
+}
+
 /// Where something is bound.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Binding {
@@ -114,9 +129,17 @@ pub struct InitialValue {
 /// What cannot be ported, each with its place: the fixed functions' state, copies of structures
 /// with samplers in them, declarations in macros or includes, uniform arrays without a size.
 pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
-    let ported = edit(source, options)?;
-    verify(source, options, &ported)?;
+    let mut options = options.clone();
+    options.read.target = options.read.target.or_else(|| target_of(source));
+    let ported = edit(source, &options)?;
+    verify(source, &options, &ported)?;
     Ok(ported)
+}
+
+/// OpenGL for versions there were before Vulkan, even if the text speaks of Vulkan.
+fn target_of(source: &Source) -> Option<Target> {
+    let raw = raw::read(source, &ReadOptions::default());
+    (raw.version < 400).then_some(Target::OpenGl)
 }
 
 fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
@@ -155,7 +178,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic
 
     let first = options.first_binding + taken_by_partner(source, options, stage);
     let mut bindings = Bindings::new(&shader, options.set, first);
-    let block = (!gathered.members.is_empty()).then(|| shader.unused(&options.block));
+    let block = (!gathered.members.is_empty()).then(|| block_name(&shader, options, stage));
     let mut text = String::new();
     if let Some(block) = &block {
         text.push_str(&block_text(&shader, block, &gathered, &mut bindings));
@@ -209,6 +232,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
     let found: Vec<&str> = shader
         .variables()
+        .filter(|variables| shader.has_word(variables, "uniform"))
         .flat_map(|variables| &variables.declarators)
         .map(|declarator| shader.code[declarator.name].text)
         .collect();
@@ -257,6 +281,17 @@ fn stage_of(shader: &Shader<'_>) -> Option<Stage> {
     fragment.into_iter().any(has).then_some(Stage::Fragment)
 }
 
+/// The name of the block: with a partner, one of this stage's own, since the stages hold
+/// different members.
+fn block_name(shader: &Shader<'_>, options: &PortOptions, stage: Stage) -> String {
+    let mut name = options.block.clone();
+    if options.partner.is_some() {
+        let words = stage.name().split('_');
+        name.extend(words.map(|word| format!("{}{}", word[..1].to_uppercase(), &word[1..])));
+    }
+    shader.unused(&name)
+}
+
 fn block_text(
     shader: &Shader<'_>,
     block: &str,
@@ -299,19 +334,19 @@ fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(),
     let read = |gather| Options { read: options.read.clone(), gather, ..Options::default() };
     let before = layout(source, &read(true));
     let after = layout(&ported.source, &read(false));
+    let made = |block: &&BlockLayout| *block.name == *"DefaultBlock" && !block.rules_declared;
     let mut problems = after.diagnostics;
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
-    let leaves = |blocks: &[crate::BlockLayout], name: &str| {
-        let block = blocks.iter().find(|block| *block.name == *name);
+    let leaves = |block: Option<&BlockLayout>, name: &dyn Fn(&str) -> String| {
         let leaves = block.map_or(&[][..], |block| &block.leaves);
-        let rows =
-            leaves.iter().map(|l| format!("{} {:?} {:?} {:?}", l.path, l.ty, l.offset, l.strides));
-        let mut rows: Vec<String> = rows.collect();
+        let row = |l: &Leaf| format!("{} {:?} {:?} {:?}", name(&l.path), l.ty, l.offset, l.strides);
+        let mut rows: Vec<String> = leaves.iter().map(row).collect();
         rows.sort();
         rows
     };
-    let gathered = leaves(&before.blocks, "DefaultBlock");
-    let moved = leaves(&after.blocks, ported.block.as_deref().unwrap_or(""));
+    let gathered = leaves(before.blocks.iter().rfind(made), &|path| ported.new_path(path));
+    let block = after.blocks.iter().find(|b| Some(&*b.name) == ported.block.as_deref());
+    let moved = leaves(block, &str::to_string);
     let loose = after.blocks.iter().any(|block| block.space == AddressSpace::Default);
     if problems.is_empty() && (gathered != moved || loose) {
         let message = "the ported text does not hold the uniforms of the original";

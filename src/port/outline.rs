@@ -321,7 +321,9 @@ impl Reader<'_, '_> {
             if let Some(equals) = self.eat("=") {
                 while !self.is(",") && !self.is(";") {
                     match self.code.get(self.at)?.text {
-                        "(" | "[" | "{" => drop(self.balanced()?),
+                        "(" | "[" | "{" => {
+                            self.balanced()?;
+                        }
                         _ => self.at += 1,
                     }
                 }

@@ -55,6 +55,15 @@ impl<'a> Shader<'a> {
         })
     }
 
+    /// Whether a raw token stands in `layout(…)`.
+    pub fn in_layout(&self, at: usize) -> bool {
+        let mut before = (0..at).rev().take(64);
+        let open = before.find(|&at| matches!(self.word(at), "(" | ")" | ";" | "{"));
+        open.is_some_and(|open| {
+            self.word(open) == "(" && open > 0 && self.word(open - 1) == "layout"
+        })
+    }
+
     /// The directives: the raw tokens of each, `#` included.
     pub fn directives(&self) -> Vec<Range<usize>> {
         let mut all: Vec<Range<usize>> = Vec::new();

@@ -7,7 +7,7 @@ use super::edits::Edits;
 use super::shader::Shader;
 use crate::Diagnostic;
 use crate::parse::glsl::lexer::Kind;
-use crate::source::Span;
+use crate::source::{Span, Target};
 
 /// Functions by their name before GLSL 1.30 and ES 3.00, and by their name since.
 const FUNCTIONS: &[(&str, &str)] = &[
@@ -84,6 +84,9 @@ const FIXED: &[&str] = &[
     "ftransform",
 ];
 
+/// The version of words that are keywords in Vulkan's GLSL only.
+const NEVER: u32 = u32::MAX;
+
 /// Words that became keywords after the version in which they could be names: the desktop and
 /// the ES version that took them.
 const KEYWORDS: &[(&str, u32, u32)] = &[
@@ -100,7 +103,7 @@ const KEYWORDS: &[(&str, u32, u32)] = &[
     ("case", 130, 300),
     ("patch", 400, 320),
     ("sample", 400, 320),
-    ("subroutine", 400, 999),
+    ("subroutine", 400, NEVER),
     ("precise", 400, 320),
     ("coherent", 420, 310),
     ("volatile", 420, 310),
@@ -109,9 +112,9 @@ const KEYWORDS: &[(&str, u32, u32)] = &[
     ("writeonly", 420, 310),
     ("shared", 430, 310),
     ("buffer", 430, 310),
-    ("sampler", 999, 999),
-    ("samplerShadow", 999, 999),
-    ("subpassInput", 999, 999),
+    ("sampler", NEVER, NEVER),
+    ("samplerShadow", NEVER, NEVER),
+    ("subpassInput", NEVER, NEVER),
 ];
 
 /// Renames words; returns the user's own names that had to change.
@@ -140,9 +143,10 @@ pub(super) fn rename(shader: &Shader<'_>, edits: &mut Edits) -> Vec<(String, Str
                 edits.replace(range, format!("vec4({new}"));
                 edits.insert(close, ")");
             }
-        } else if own.contains(word) && !(called && word == "texture") {
-            let new = shader.unused(&format!("{word}_"));
-            if !renamed.iter().any(|(old, _)| old == word) {
+        } else if own.contains(word) && !(called && word == "texture") && !shader.in_layout(at) {
+            let known = renamed.iter().find(|(old, _)| old == word);
+            let new = known.map_or_else(|| shader.unused(&format!("{word}_")), |row| row.1.clone());
+            if known.is_none() {
                 renamed.push((word.to_string(), new.clone()));
             }
             edits.replace(range, new);
@@ -163,13 +167,22 @@ fn own_functions<'a>(shader: &Shader<'a>) -> FxHashSet<&'a str> {
 /// Names of the user's own that mean something in the new language.
 fn own_names<'a>(shader: &Shader<'a>) -> FxHashSet<&'a str> {
     let old_language = shader.raw.version < if shader.raw.es { 300 } else { 130 };
-    let words = shader.words().map(|at| shader.word(at));
+    // A name is never followed by another: such a word is meant as the keyword, by an extension.
+    let meant = |at: usize| {
+        let next = shader.raw.tokens.get(at + 1);
+        next.is_some_and(|t| t.kind == Kind::Name && shader.raw.tokens[at].directive == t.directive)
+    };
+    let keywords: FxHashSet<&str> =
+        shader.words().filter(|&at| meant(at)).map(|at| shader.word(at)).collect();
+    let words = shader.words().filter(|&at| !shader.in_layout(at)).map(|at| shader.word(at));
+    let words = words.filter(|word| !keywords.contains(word));
     words
         .filter(|word| {
             let since = KEYWORDS.iter().find(|row| row.0 == *word);
             let keyword = since.is_some_and(|row| {
-                shader.raw.version < if shader.raw.es { row.2 } else { row.1 }
-                    && shader.raw.target == crate::Target::OpenGl
+                let since = if shader.raw.es { row.2 } else { row.1 };
+                let vulkan = since == NEVER && shader.raw.target == Target::Vulkan;
+                shader.raw.version < since && !vulkan
             });
             // `texture2D` and the like are types of Vulkan's GLSL.
             let ty = old_language && *word == "texture";

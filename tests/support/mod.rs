@@ -23,6 +23,7 @@ pub mod landfall;
 pub mod leaf;
 pub mod naga_wgsl;
 pub mod pairs;
+pub mod picture;
 pub mod run;
 pub mod spirv;
 pub mod wgsl;
