@@ -13,12 +13,14 @@ pub(super) struct Edits {
 struct Edit {
     range: Range<usize>,
     text: String,
+    /// Whole lines stand before what is put into the line that begins there.
+    lines: bool,
 }
 
 impl Edits {
     /// Puts `text` in place of a range; a range that lies in another one is lost with it.
     pub fn replace(&mut self, range: Range<usize>, text: impl Into<String>) {
-        self.edits.push(Edit { range, text: text.into() });
+        self.edits.push(Edit { range, text: text.into(), lines: false });
     }
 
     pub fn delete(&mut self, range: Range<usize>) {
@@ -30,6 +32,11 @@ impl Edits {
         self.replace(at..at, text);
     }
 
+    /// Puts whole lines before the line that begins at `at`.
+    pub fn insert_lines(&mut self, at: usize, text: impl Into<String>) {
+        self.edits.push(Edit { range: at..at, text: text.into(), lines: true });
+    }
+
     /// A part of the text with the changes inside it made.
     pub fn render(&self, text: &str, part: Range<usize>) -> String {
         let mut inside: Vec<&Edit> = self
@@ -39,7 +46,7 @@ impl Edits {
             .collect();
         // Insertions before what starts at the same byte, wide changes before those in them.
         inside.sort_by_key(|edit| {
-            (edit.range.start, !edit.range.is_empty(), usize::MAX - edit.range.end)
+            (edit.range.start, !edit.range.is_empty(), !edit.lines, usize::MAX - edit.range.end)
         });
         let mut result = String::with_capacity(part.len());
         let mut at = part.start;

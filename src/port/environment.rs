@@ -136,7 +136,7 @@ fn seen(shader: &Shader<'_>, name: &str, enabled: &[&str]) -> Option<Option<u32>
         "GL_FRAGMENT_PRECISION_HIGH" => Some(es.then_some(1)),
         "GL_core_profile" => (es || version < 150).then_some(None),
         "GL_compatibility_profile" => None,
-        "VULKAN" => (shader.raw.target == Target::OpenGl).then_some(None),
+        "VULKAN" => (shader.raw.target != Some(Target::Vulkan)).then_some(None),
         _ => {
             let vendor = name.strip_prefix("GL_")?.split('_').next()?;
             let extension = !vendor.is_empty() && vendor.chars().all(|c| c.is_ascii_uppercase());

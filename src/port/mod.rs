@@ -263,6 +263,21 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             );
         }
     }
+    for declaration in &shader.declarations {
+        let outline::Declaration::Other(tokens) = declaration else { continue };
+        let words = &shader.code[tokens.clone()];
+        let passes = ["uniform", "buffer", "attribute", "varying", "in", "out"];
+        let edited = words.iter().take(6).any(|token| passes.contains(&token.text));
+        // `in vec4 gl_FragCoord;` and `buffer NAME;` ahead of a buffer reference stay.
+        let builtin = words
+            .iter()
+            .any(|token| token.text.starts_with("gl_") || token.text == "buffer_reference");
+        if edited && !builtin {
+            let message = "this declaration is not understood";
+            let problem = Diagnostic::error("not-portable", shader.span(tokens.start), message);
+            problems.push(problem.with_help("write it without macros"));
+        }
+    }
     let subroutine = shader.code.iter().position(|token| token.text == "subroutine");
     if let Some(at) = subroutine {
         let message = "Vulkan has no subroutines";

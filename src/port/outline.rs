@@ -3,6 +3,8 @@
 
 use std::ops::Range;
 
+use rustc_hash::FxHashSet;
+
 use crate::parse::glsl::lexer::Kind;
 use crate::parse::glsl::raw::RawText;
 
@@ -36,7 +38,7 @@ pub(super) enum Declaration {
     /// `precision mediump float;`
     Precision,
     /// `invariant gl_Position;` and what is not understood.
-    Other,
+    Other(Tokens),
 }
 
 /// The qualifiers of a declaration.
@@ -110,9 +112,9 @@ pub(super) fn code<'a>(text: &'a str, raw: &RawText) -> Vec<Token<'a>> {
         .collect()
 }
 
-/// The global declarations in order.
-pub(super) fn declarations(code: &[Token<'_>]) -> Vec<Declaration> {
-    let mut reader = Reader { code, at: 0 };
+/// The global declarations in order. `macros` are names that stand for qualifiers.
+pub(super) fn declarations(code: &[Token<'_>], macros: &FxHashSet<&str>) -> Vec<Declaration> {
+    let mut reader = Reader { code, macros, at: 0 };
     let mut all = Vec::new();
     while reader.at < code.len() {
         let start = reader.at;
@@ -124,7 +126,7 @@ pub(super) fn declarations(code: &[Token<'_>]) -> Vec<Declaration> {
         all.push(read.unwrap_or_else(|| {
             reader.at = start;
             reader.skip();
-            Declaration::Other
+            Declaration::Other(start..reader.at)
         }));
         reader.at = reader.at.max(start + 1);
     }
@@ -132,7 +134,7 @@ pub(super) fn declarations(code: &[Token<'_>]) -> Vec<Declaration> {
 }
 
 /// Words in front of a type.
-const QUALIFIERS: &[&str] = &[
+pub(super) const QUALIFIERS: &[&str] = &[
     "const",
     "in",
     "out",
@@ -162,6 +164,7 @@ const QUALIFIERS: &[&str] = &[
 
 struct Reader<'c, 'a> {
     code: &'c [Token<'a>],
+    macros: &'c FxHashSet<&'c str>,
     at: usize,
 }
 
@@ -215,12 +218,16 @@ impl Reader<'_, '_> {
         }
     }
 
+    fn qualifies(&self, word: &str) -> bool {
+        QUALIFIERS.contains(&word) || self.macros.contains(word)
+    }
+
     fn qualifiers(&mut self) -> Option<Qualifiers> {
         let mut qualifiers = Qualifiers::default();
         loop {
             if self.eat("layout").is_some() {
                 qualifiers.layouts.push(self.balanced()?);
-            } else if self.code.get(self.at).is_some_and(|t| QUALIFIERS.contains(&t.text)) {
+            } else if self.code.get(self.at).is_some_and(|t| self.qualifies(t.text)) {
                 qualifiers.words.push(self.at);
                 self.at += 1;
             } else {
@@ -254,7 +261,7 @@ impl Reader<'_, '_> {
         }
         if self.is(";") || self.is(",") {
             self.skip();
-            return Some(Declaration::Other);
+            return Some(Declaration::Other(start..self.at));
         }
         let after = self.at;
         self.dims()?;

@@ -7,7 +7,7 @@ use std::ops::Range;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::outline::{Declaration, Function, Structure, Token, Tokens, Variables};
-use super::outline::{code, declarations};
+use super::outline::{QUALIFIERS, code, declarations};
 use crate::parse::glsl::lexer::Kind;
 use crate::parse::glsl::raw::RawText;
 use crate::parse::glsl::types::{Builtin, builtin};
@@ -27,7 +27,7 @@ pub(super) struct Shader<'a> {
 impl<'a> Shader<'a> {
     pub fn new(text: &'a str, raw: RawText) -> Shader<'a> {
         let code = code(text, &raw);
-        let declarations = declarations(&code);
+        let declarations = declarations(&code, &qualifier_macros(text, &raw));
         let words = raw.tokens.iter().filter(|token| token.kind == Kind::Name);
         let names = words.map(|token| text[token.start..token.end].to_string()).collect();
         Shader { text, raw, code, declarations, names: RefCell::new(names) }
@@ -174,6 +174,24 @@ impl<'a> Shader<'a> {
         }
         Taken { bytes: start..end, before: &self.text[start..own], after }
     }
+}
+
+/// Macros that stand for nothing but qualifiers: `#define MEDIUM mediump`.
+fn qualifier_macros<'a>(text: &'a str, raw: &RawText) -> FxHashSet<&'a str> {
+    let mut lines: Vec<Vec<&'a str>> = Vec::new();
+    for token in raw.tokens.iter().filter(|token| token.active) {
+        if let Some(number) = token.directive {
+            lines.resize_with(lines.len().max(number + 1), Vec::new);
+            lines[number].push(&text[token.start..token.end]);
+        }
+    }
+    let named = lines.iter().filter_map(|line| match line.as_slice() {
+        ["#", "define", name, body @ ..] => {
+            body.iter().all(|word| QUALIFIERS.contains(word)).then_some(*name)
+        }
+        _ => None,
+    });
+    named.collect()
 }
 
 /// A part of the text that moves.

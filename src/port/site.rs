@@ -15,10 +15,7 @@ pub(super) fn find(
 ) -> Result<usize, Diagnostic> {
     let limit = first_use(shader, needed);
     let wanted = match gathered.last {
-        Some(token) => {
-            let at = shader.code[token].start;
-            shader.next_line(at)
-        }
+        Some(end) => shader.next_line(end),
         None => limit.unwrap_or(shader.text.len()),
     };
     let most = limit.unwrap_or(shader.text.len());
@@ -45,7 +42,7 @@ pub(super) fn insert(shader: &Shader<'_>, at: usize, mut text: String, edits: &m
     if shader.text.contains("\r\n") {
         text = text.replace("\r\n", "\n").replace('\n', "\r\n");
     }
-    edits.insert(at, text);
+    edits.insert_lines(at, text);
 }
 
 /// The start of the first function that uses one of the names, with the comments above it.

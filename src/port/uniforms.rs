@@ -20,7 +20,7 @@ pub(super) struct Gathered {
     /// Names that must be declared before they are used.
     pub names: Vec<String>,
     pub values: Vec<InitialValue>,
-    /// Where the last of them stood.
+    /// The byte where the last of them ended.
     pub last: Option<usize>,
     /// A place all their types are declared before.
     pub after: usize,
@@ -110,7 +110,7 @@ fn take(
     gathered: &mut Gathered,
 ) {
     let taken = shader.lines_of(&variables.tokens);
-    gathered.last = Some(variables.tokens.start);
+    gathered.last = Some(shader.bytes(&variables.tokens).end);
     let precision = variables.qualifiers.words.iter().map(|&word| shader.code[word].text);
     let precision = precision.filter(|word| matches!(*word, "lowp" | "mediump" | "highp"));
     let precision: String = precision.map(|word| format!("{word} ")).collect();

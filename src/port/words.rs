@@ -181,7 +181,7 @@ fn own_names<'a>(shader: &Shader<'a>) -> FxHashSet<&'a str> {
             let since = KEYWORDS.iter().find(|row| row.0 == *word);
             let keyword = since.is_some_and(|row| {
                 let since = if shader.raw.es { row.2 } else { row.1 };
-                let vulkan = since == NEVER && shader.raw.target == Target::Vulkan;
+                let vulkan = since == NEVER && shader.raw.target == Some(Target::Vulkan);
                 shader.raw.version < since && !vulkan
             });
             // `texture2D` and the like are types of Vulkan's GLSL.

@@ -30,13 +30,14 @@ pub(crate) struct RawText {
     pub files: Files,
     pub version: u32,
     pub es: bool,
-    pub target: Target,
+    /// The API it is written for, as far as its text says.
+    pub target: Option<Target>,
 }
 
 /// Reads the tokens of a shader's own file.
 pub(crate) fn read(source: &Source, options: &ReadOptions) -> RawText {
     let texts = Texts::new();
-    let target = options.target.unwrap_or_else(|| target_of(&source.text));
+    let target = options.target.or_else(|| target_of(&source.text));
     let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options, target);
     let mut seen = FxHashSet::default();
     loop {
