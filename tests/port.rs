@@ -7,7 +7,7 @@ mod support;
 
 use std::path::Path;
 
-use landfall::port::{Direction, PortOptions, Ported, port};
+use landfall::port::{Dialect, Direction, PortOptions, Ported, port};
 use landfall::{Options, Source, layout};
 use support::driver::{Api, Driver};
 use support::glslang;
@@ -285,4 +285,30 @@ fn declarations_stay_outside_conditions() {
                 float b;\n};\nlayout(location = 0) out vec4 FragColor;\n\
                 void main() { FragColor = vec4(a + b); }\n";
     assert_eq!(new.as_deref(), Ok(want));
+}
+
+/// Broken text is refused or ported, never a panic.
+#[test]
+fn broken_text_does_no_harm() {
+    let mut rng = fastrand::Rng::with_seed(7);
+    let names = ["room.vert", "room.frag", "mobile.frag", "desktop.frag", "old_blocks.frag"];
+    let mut refused = 0;
+    for round in 0..3000 {
+        let source = fixture(names[round % names.len()]);
+        let mut words: Vec<&str> =
+            source.text.split_inclusive([' ', '(', ')', ';', '\n', ',', '.', '[']).collect();
+        for _ in 0..rng.usize(1..4) {
+            let (from, to) = (rng.usize(..words.len()), rng.usize(..words.len()));
+            match rng.u8(..3) {
+                0 => drop(words.remove(from)),
+                1 => words.insert(to, words[from]),
+                _ => words.swap(from, to),
+            }
+        }
+        let broken = Source { text: words.concat().into(), ..source };
+        let dialect = if round % 2 == 0 { Dialect::Vulkan } else { Dialect::Naga };
+        let options = PortOptions { dialect, ..PortOptions::default() };
+        refused += usize::from(port(&broken, &options).is_err());
+    }
+    assert!(refused > 500 && refused < 3000, "{refused}");
 }

@@ -372,7 +372,7 @@ fn paths<'a>(
 }
 
 /// The arguments of a call, its `(` at `open`.
-fn arguments(shader: &Shader<'_>, open: usize) -> Vec<Tokens> {
+pub(super) fn arguments(shader: &Shader<'_>, open: usize) -> Vec<Tokens> {
     let close = closing(shader, open);
     let mut all = Vec::new();
     let mut start = open + 1;

@@ -2,10 +2,11 @@
 //! block, so that what took a call each takes one upload.
 //!
 //! The text is edited, not printed anew: comments, macros, blank lines and
-//! everything that need not change stay byte for byte. [`outline`] finds the
-//! declarations, and each kind of change has a file: [`environment`] (version,
-//! extensions, conditions), [`words`], [`hoist`] (handles in structures),
-//! [`uniforms`], [`interface`] (locations). [`edits`] puts them together.
+//! everything that need not change stay byte for byte. `outline` finds the
+//! declarations, and each kind of change has a file: `environment` (version,
+//! extensions, conditions), `words`, `hoist` (handles in structures),
+//! `uniforms`, `interface` (locations). `edits` puts them together.
+//! `separate` and `wgsl` take the result on to naga's GLSL and to WGSL.
 //!
 //! Clip space is not touched: a vertex shader written for OpenGL's depth range
 //! and upward y still writes those.
@@ -15,9 +16,11 @@ mod environment;
 mod hoist;
 mod interface;
 mod outline;
+mod separate;
 mod shader;
 mod site;
 mod uniforms;
+mod wgsl;
 mod words;
 
 use crate::parse::glsl::raw;
@@ -30,9 +33,23 @@ pub use interface::Direction;
 use shader::Shader;
 use uniforms::{Bindings, Gathered};
 
+/// What reads a ported shader.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// Vulkan's GLSL 4.50, samplers as they were.
+    #[default]
+    Vulkan,
+    /// GLSL 4.50 as naga, and so wgpu, takes it: textures and samplers apart. Held against naga.
+    Naga,
+    /// WGSL, where its rules put every member at the same offset.
+    Wgsl,
+}
+
 /// How a shader is ported.
 #[derive(Clone, Debug)]
 pub struct PortOptions {
+    /// What is to read the result.
+    pub dialect: Dialect,
     /// How its text is read.
     pub read: ReadOptions,
     /// The name of the block its loose uniforms become.
@@ -50,6 +67,7 @@ pub struct PortOptions {
 impl Default for PortOptions {
     fn default() -> PortOptions {
         PortOptions {
+            dialect: Dialect::Vulkan,
             read: ReadOptions::default(),
             block: "DefaultBlock".to_string(),
             set: 0,
@@ -133,6 +151,26 @@ pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagno
     options.read.target = options.read.target.or_else(|| target_of(source));
     let ported = edit(source, &options)?;
     verify(source, &options, &ported)?;
+    match options.dialect {
+        Dialect::Vulkan => Ok(ported),
+        Dialect::Naga | Dialect::Wgsl => through_naga(ported, &options),
+    }
+}
+
+fn through_naga(mut ported: Ported, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+    let read = ReadOptions { target: Some(Target::Vulkan), ..options.read.clone() };
+    let layouts = Options { read: read.clone(), ..Options::default() };
+    let shader = Shader::new(&ported.source.text, raw::read(&ported.source, &read));
+    let mut problems = Vec::new();
+    let text = separate::separate(&shader, &mut ported.bindings, &mut problems);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    ported.source = Source { text: text.into(), ..ported.source };
+    wgsl::check(&ported.source, &layouts)?;
+    if options.dialect == Dialect::Wgsl {
+        ported.source = wgsl::write(&ported.source, &layouts)?;
+    }
     Ok(ported)
 }
 

@@ -1,10 +1,10 @@
 //! Layouts as a C11 and C++17 header: structures with explicit padding that the
 //! compiler holds to the shader's offsets, offset macros, and a table of names.
 //!
-//! [`types`] (with [`plain`]) says what C declares a member as and keeps each
-//! structure once, [`structs`] writes them, [`table`] writes macros and the
-//! table of a block, [`reach`] knows the way to each leaf, [`names`] makes
-//! identifiers of shader names, and [`prelude`] is what all headers share.
+//! `types` (with `plain`) says what C declares a member as and keeps each
+//! structure once, `structs` writes them, `table` writes macros and the
+//! table of a block, `reach` knows the way to each leaf, `names` makes
+//! identifiers of shader names, and `prelude` is what all headers share.
 
 mod comments;
 mod names;

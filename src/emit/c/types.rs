@@ -1,6 +1,6 @@
 //! What C declares members as, and the structures that takes, each kept once.
 //!
-//! Reads the [layout](crate::layout); [`structs`](super::structs) writes what is kept here.
+//! Reads the [layout](crate::layout); `structs`(super::structs) writes what is kept here.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
