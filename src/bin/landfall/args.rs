@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
+use landfall::emit::rust::Vectors;
 use landfall::{Language, Rules, Stage, Target, emit};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
@@ -25,6 +26,8 @@ pub enum Command {
     Layout(LayoutArgs),
     /// Say why a path lands where it does, or who owns a byte
     Explain(ExplainArgs),
+    /// Write mirrors of all blocks, and tables from names to offsets, as Rust or C
+    Emit(EmitArgs),
     /// Print the JSON Schema of an output
     Schema(SchemaArgs),
 }
@@ -112,6 +115,44 @@ pub enum ExplainFormat {
     Human,
     /// JSON as `landfall schema explain` describes it
     Json,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct EmitArgs {
+    /// Files, directories and globs; the blocks of all of them go into one file
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Language of the output
+    #[arg(short, long, value_name = "LANG")]
+    pub lang: EmitLang,
+    /// Write to FILE instead of stdout, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Write nothing; exit with 1 if FILE is not what would be written
+    #[arg(long, requires = "out")]
+    pub check: bool,
+    /// Rust: vectors and matrices as glam's types or as arrays [default: glam]
+    #[arg(long, value_name = "AS", value_parser = [Vectors::Glam.name(), Vectors::Array.name()])]
+    pub vectors: Option<String>,
+    /// Rust: items visible in their crate only
+    #[arg(long)]
+    pub crate_visible: bool,
+    /// Rust: mirrors only, without tables from names to offsets
+    #[arg(long)]
+    pub no_tables: bool,
+    /// C: put before every type, macro and function
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub prefix: String,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EmitLang {
+    /// `#[repr(C)]` structures for bytemuck, offsets checked when compiled
+    Rust,
+    /// A header for C11 and C++17, offsets checked when compiled
+    C,
 }
 
 #[derive(Debug, clap::Args)]

@@ -1,9 +1,10 @@
 //! The command line: arguments in, one command run, an exit code out.
 //!
-//! 0 is clean, 2 is "could not": wrong usage, a file that cannot be read or
+//! 0 is clean, 1 is findings, 2 is "could not": wrong usage, a file that cannot be read or
 //! written, an error in a shader. Products go to stdout, findings to stderr.
 
 mod args;
+mod emit;
 mod explain;
 mod inputs;
 mod layout;
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),
         Command::Explain(args) => explain::run(args, &streams),
+        Command::Emit(args) => emit::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {

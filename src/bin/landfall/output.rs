@@ -15,6 +15,8 @@ use crate::args::Color;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     Clean,
+    /// Something to look at: a generated file that is stale.
+    Findings,
     CouldNot,
 }
 
@@ -22,6 +24,7 @@ impl From<Outcome> for ExitCode {
     fn from(outcome: Outcome) -> ExitCode {
         match outcome {
             Outcome::Clean => ExitCode::SUCCESS,
+            Outcome::Findings => ExitCode::from(1),
             Outcome::CouldNot => ExitCode::from(2),
         }
     }
