@@ -46,7 +46,7 @@ fn random_blocks(name: &str, seed: u64, count: usize, diet: &Diet) -> (usize, us
     let output = c(&[&layout], &options);
     assert_eq!(c(&[&layout], &options).text, output.text, "the same header every time");
     let held = hold(&format!("{name}_{seed}"), &output, &oracle);
-    (held, output.refused.len())
+    (held, output.diagnostics.len())
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn awkward_blocks_are_filled_where_glslang_reads_them() {
             .unwrap_or_else(|e| panic!("glslang refuses {name}: {e}"));
         let layout = lay_out("corpus.comp", &text);
         let output = c(&[&layout], &COptions::default());
-        assert!(output.refused.is_empty(), "{name}: {:?}", output.refused);
+        assert!(output.diagnostics.is_empty(), "{name}: {:?}", output.diagnostics);
         let held = hold(&name.replace(' ', "_"), &output, &oracle);
         assert_eq!(held, oracle.len(), "{name}");
     }
@@ -245,8 +245,8 @@ fn a_block_that_c_cannot_mirror_is_refused_by_name() {
                 layout(scalar) buffer Reused { D all[2]; float next; } r;\n\
                 layout(scalar) buffer Kept { D all[2]; double next; } k;\n";
     let output = c(&[&lay_out("r.comp", text)], &COptions::default());
-    assert_eq!(output.refused.len(), 1);
-    let refused = &output.refused[0].diagnostic;
+    assert_eq!(output.diagnostics.len(), 1);
+    let refused = &output.diagnostics[0];
     assert_eq!(
         refused.message,
         "block `Reused` is left out of the C header: `all` ends at byte 32 in C, but `next` \

@@ -22,6 +22,16 @@ pub enum Direction {
     Out,
 }
 
+impl Direction {
+    /// `in` or `out`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Direction::In => "in",
+            Direction::Out => "out",
+        }
+    }
+}
+
 /// One input or output as declared.
 #[derive(Clone, Debug)]
 pub(super) struct Passed {

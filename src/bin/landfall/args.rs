@@ -28,6 +28,8 @@ pub enum Command {
     Explain(ExplainArgs),
     /// Write mirrors of all blocks, and tables from names to offsets, as Rust or C
     Emit(EmitArgs),
+    /// Rewrite legacy GLSL for Vulkan, its loose uniforms in one std140 block
+    Port(PortArgs),
     /// Print the JSON Schema of an output
     Schema(SchemaArgs),
 }
@@ -156,6 +158,46 @@ pub enum EmitLang {
 }
 
 #[derive(Debug, clap::Args)]
+pub struct PortArgs {
+    /// The shader; - reads stdin
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// What is to read the result
+    #[arg(long, value_name = "WHAT", default_value = "vulkan")]
+    pub to: PortTo,
+    /// Write to OUT instead of stdout, whole or not at all
+    #[arg(short, long, value_name = "OUT")]
+    pub out: Option<PathBuf>,
+    /// The stage before or after it, to agree with on locations
+    #[arg(long, value_name = "FILE")]
+    pub partner: Option<PathBuf>,
+    /// Give an input or output this location
+    #[arg(long = "location", value_name = "NAME=N", value_parser = location)]
+    pub locations: Vec<(String, u32)>,
+    /// Name of the block that loose uniforms become
+    #[arg(long, value_name = "NAME", default_value = "DefaultBlock")]
+    pub block: String,
+    /// Descriptor set of everything that has none
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub set: u32,
+    /// First binding to give out
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub first_binding: u32,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PortTo {
+    /// Vulkan's GLSL 4.50
+    Vulkan,
+    /// GLSL 4.50 as naga and wgpu take it, textures and samplers apart
+    Naga,
+    /// WGSL, where its rules keep every member's place
+    Wgsl,
+}
+
+#[derive(Debug, clap::Args)]
 pub struct SchemaArgs {
     /// Of which output
     pub of: Schema,
@@ -263,6 +305,13 @@ fn setting(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("a value is set as NAME=VALUE".to_string()),
     }
+}
+
+/// `NAME=N`.
+fn location(text: &str) -> Result<(String, u32), String> {
+    let (name, number) = setting(text)?;
+    let number = number.parse().map_err(|_| "a location is a whole number".to_string())?;
+    Ok((name, number))
 }
 
 #[cfg(test)]

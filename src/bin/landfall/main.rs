@@ -9,6 +9,7 @@ mod explain;
 mod inputs;
 mod layout;
 mod output;
+mod port;
 mod read;
 mod schema;
 mod work;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Command::Layout(args) => layout::run(args, &streams),
         Command::Explain(args) => explain::run(args, &streams),
         Command::Emit(args) => emit::run(args, &streams),
+        Command::Port(args) => port::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {

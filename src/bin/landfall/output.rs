@@ -141,6 +141,13 @@ impl Streams {
         }
     }
 
+    /// Writes what else there is to know to stderr, unless quiet.
+    pub fn notes(&self, text: &str) {
+        if !self.quiet {
+            self.report(text);
+        }
+    }
+
     /// Writes why the whole run stopped.
     pub fn failure(&self, error: Error) {
         let found = Diagnostic { code: "output", ..error.into() };

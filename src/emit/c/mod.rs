@@ -38,8 +38,8 @@ pub struct COutput {
     pub text: String,
     /// How C reaches each leaf of each block in the header.
     pub leaves: Vec<CLeaf>,
-    /// Blocks that no C structure can mirror; the rest is in the text.
-    pub refused: Vec<Refused>,
+    /// One finding for every block that no C structure can mirror; the rest is in the text.
+    pub diagnostics: Vec<Diagnostic>,
 }
 
 /// How C reaches a leaf.
@@ -64,15 +64,6 @@ pub struct CLeaf {
     pub tail: Option<String>,
 }
 
-/// A block left out of a header.
-#[derive(Clone, Debug)]
-pub struct Refused {
-    /// Index of its shader in what the header was made of.
-    pub shader: usize,
-    /// Which block, and why.
-    pub diagnostic: Diagnostic,
-}
-
 /// Writes one header for the blocks of some shaders. Loose uniforms have no offsets and are
 /// passed over; lay the shader out with `gather` to have them.
 pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
@@ -80,8 +71,8 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     let mut types = Types::default();
     let mut sections: Vec<table::Section> = Vec::new();
     let mut leaves = Vec::new();
-    let mut refused = Vec::new();
-    for (index, shader) in shaders.iter().enumerate() {
+    let mut diagnostics = Vec::new();
+    for shader in shaders {
         for block in shader.blocks.iter().filter(|b| b.space != AddressSpace::Default) {
             let mark = types.mark();
             let mirror = check(block).and_then(|()| types.block(block, shader, &mut names));
@@ -97,13 +88,13 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
                 Err(refusal) => {
                     types.roll_back(mark, &mut names);
                     let diagnostic = refusal.diagnostic(block, shader);
-                    refused.push(Refused { shader: index, diagnostic });
+                    diagnostics.push(Diagnostic { path: Some(shader.path.clone()), ..diagnostic });
                 }
             }
         }
     }
     let text = structs::header(shaders, options, &types, &sections, &names);
-    COutput { text, leaves, refused }
+    COutput { text, leaves, diagnostics }
 }
 
 /// What no C structure can be, seen from the block alone.
