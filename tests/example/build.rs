@@ -7,5 +7,6 @@ fn main() -> Result<(), landfall::BuildError> {
         .include("shaders/include")
         .define("MAX_LIGHTS", "128")
         .mirrors("lights.rs")
+        .c_header("lights.h")
         .run()
 }
