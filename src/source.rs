@@ -3,9 +3,9 @@
 //!
 //! Feeds [`parse`](mod@crate::parse). Nothing here looks inside the text.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
+use std::{fs, io};
 
 use crate::error::Error;
 use crate::file::reason;
@@ -153,11 +153,10 @@ fn stage_of_extension(extension: &str) -> Option<Stage> {
 /// Reads a whole text file, telling apart the ways in which it may not be one.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     let shown = path.display().to_string();
-    if path.is_dir() {
-        return Err(Error::new(&shown, "is a directory, not a shader file"));
-    }
-    let bytes = fs::read(path)
-        .map_err(|cause| Error::new(&shown, format!("cannot be read: {}", reason(&cause))))?;
+    let bytes = fs::read(path).map_err(|cause| match cause.kind() {
+        io::ErrorKind::IsADirectory => Error::new(&shown, "is a directory, not a shader file"),
+        _ => Error::new(&shown, format!("cannot be read: {}", reason(&cause))),
+    })?;
     decode(&shown, bytes)
 }
 

@@ -1,10 +1,12 @@
 //! CSV (RFC 4180, lines end in a newline alone): one row a leaf.
 
+use std::fmt::{Display, Write as _};
+
 use super::{EmitOptions, expand};
 use crate::ShaderLayout;
 use crate::layout::measure::{element_size, fixed};
-use crate::layout::{BlockLayout, Leaf, MemberLayout};
-use crate::shape::{AddressSpace, ArrayLen};
+use crate::layout::{BlockLayout, Leaf};
+use crate::shape::AddressSpace;
 
 pub(super) const HEADER: &str = "shader,block,instance,address_space,rules,rules_declared,group,\
 binding,block_size,path,type,offset,size,dims,strides,matrix_stride,row_major,naga_offset\n";
@@ -13,94 +15,97 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let mut text = String::new();
     for block in &shader.blocks {
         let start = block_cells(shader, block);
-        let mut row = |cells: [String; 9]| {
-            let all = start.iter().chain(&cells);
-            text.push_str(&all.map(|cell| quoted(cell)).collect::<Vec<_>>().join(","));
-            text.push('\n');
-        };
         if options.expand && expand::can_expand(block) {
             expand::for_each(block, |element| {
-                let ty = element.member.ty.innermost().spelled(shader.language).to_string();
-                let size = element_size(element.member, block.rules);
-                row(element_cells(element.path, ty, element.offset, size, element.member));
+                let member = element.member;
+                text.push_str(&start);
+                cell(&mut text, element.path);
+                cell(&mut text, member.ty.innermost().spelled(shader.language));
+                cell(&mut text, element.offset);
+                cell(&mut text, element_size(member, block.rules));
+                text.push_str(",,");
+                optional(&mut text, member.matrix_stride);
+                optional(&mut text, member.matrix_stride.map(|_| member.row_major));
+                text.push_str(",\n");
             });
         } else {
-            block.leaves.iter().for_each(|leaf| {
-                row(leaf_cells(leaf, leaf.ty.spelled(shader.language).to_string()));
-            });
+            for leaf in &block.leaves {
+                text.push_str(&start);
+                leaf_cells(&mut text, leaf, shader);
+            }
         }
     }
     text
 }
 
 /// What all rows of a block begin with.
-fn block_cells(shader: &ShaderLayout, block: &BlockLayout) -> [String; 9] {
-    let loose = block.space == AddressSpace::Default;
-    [
-        shader.path.clone(),
-        block.name.to_string(),
-        block.instance.as_deref().unwrap_or("").to_string(),
-        block.space.name().to_string(),
-        if loose { String::new() } else { block.rules.name().to_string() },
-        block.rules_declared.to_string(),
-        optional(block.group),
-        optional(block.binding),
-        optional(block.size),
-    ]
+fn block_cells(shader: &ShaderLayout, block: &BlockLayout) -> String {
+    let mut text = quoted(shader.path.clone());
+    cell(&mut text, &block.name);
+    optional(&mut text, block.instance.as_ref());
+    cell(&mut text, block.space.name());
+    let placed = block.space != AddressSpace::Default;
+    optional(&mut text, placed.then(|| block.rules.name()));
+    cell(&mut text, block.rules_declared);
+    optional(&mut text, block.group);
+    optional(&mut text, block.binding);
+    optional(&mut text, block.size);
+    text
 }
 
-fn leaf_cells(leaf: &Leaf, ty: String) -> [String; 9] {
-    let dims = leaf.dims.iter().map(length).collect::<Vec<_>>().join(" ");
-    [
-        leaf.path.clone(),
-        ty,
-        optional(leaf.offset),
-        optional(leaf.size),
-        dims,
-        super::words::spaced(&leaf.strides),
-        optional(leaf.matrix_stride),
-        leaf.matrix_stride.map(|_| leaf.row_major.to_string()).unwrap_or_default(),
-        optional(leaf.naga.as_ref().map(|naga| naga.offset)),
-    ]
+fn leaf_cells(text: &mut String, leaf: &Leaf, shader: &ShaderLayout) {
+    cell(text, &leaf.path);
+    cell(text, leaf.ty.spelled(shader.language));
+    optional(text, leaf.offset);
+    optional(text, leaf.size);
+    // `?` stands for a length the text does not say.
+    several(text, leaf.dims.iter().map(fixed));
+    several(text, leaf.strides.iter().copied().map(Some));
+    optional(text, leaf.matrix_stride);
+    optional(text, leaf.matrix_stride.map(|_| leaf.row_major));
+    optional(text, leaf.naga.as_ref().map(|naga| naga.offset));
+    text.push('\n');
 }
 
-fn element_cells(
-    path: &str,
-    ty: String,
-    offset: u64,
-    size: u64,
-    member: &MemberLayout,
-) -> [String; 9] {
-    [
-        path.to_string(),
-        ty,
-        offset.to_string(),
-        size.to_string(),
-        String::new(),
-        String::new(),
-        optional(member.matrix_stride),
-        member.matrix_stride.map(|_| member.row_major.to_string()).unwrap_or_default(),
-        String::new(),
-    ]
+/// A comma and the cell after it.
+fn cell(text: &mut String, value: impl Display) {
+    text.push(',');
+    let start = text.len();
+    let _ = write!(text, "{value}");
+    if text[start..].contains(SPECIAL) {
+        let field = text.split_off(start);
+        text.push_str(&quoted(field));
+    }
 }
 
-/// `?` stands for a length the text does not say.
-fn length(len: &ArrayLen) -> String {
-    fixed(len).map_or_else(|| "?".to_string(), |n| n.to_string())
+fn optional(text: &mut String, value: Option<impl Display>) {
+    match value {
+        Some(value) => cell(text, value),
+        None => text.push(','),
+    }
 }
 
-fn optional(n: Option<impl ToString>) -> String {
-    n.map(|n| n.to_string()).unwrap_or_default()
+/// Numbers with spaces between them.
+fn several(text: &mut String, values: impl Iterator<Item = Option<u64>>) {
+    text.push(',');
+    for (i, value) in values.enumerate() {
+        if i > 0 {
+            text.push(' ');
+        }
+        let _ = match value {
+            Some(value) => write!(text, "{value}"),
+            None => write!(text, "?"),
+        };
+    }
 }
+
+/// What a field with any of stands in quotes for.
+const SPECIAL: [char; 4] = [',', '"', '\n', '\r'];
 
 /// RFC 4180 §2.6 and 2.7: a field with a comma, quote or line break stands in quotes, its quotes
 /// doubled.
-fn quoted(field: &str) -> String {
-    if field.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", field.replace('"', "\"\""))
-    } else {
-        field.to_string()
-    }
+fn quoted(field: String) -> String {
+    if field.contains(SPECIAL) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field }
 }
 
 #[cfg(test)]
@@ -126,8 +131,8 @@ mod tests {
 
     #[test]
     fn fields_are_quoted_where_they_must_be() {
-        assert_eq!(quoted("array<f32, 4>"), "\"array<f32, 4>\"");
-        assert_eq!(quoted("say \"hi\""), "\"say \"\"hi\"\"\"");
-        assert_eq!(quoted("plain"), "plain");
+        assert_eq!(quoted("array<f32, 4>".into()), "\"array<f32, 4>\"");
+        assert_eq!(quoted("say \"hi\"".into()), "\"say \"\"hi\"\"\"");
+        assert_eq!(quoted("plain".into()), "plain");
     }
 }

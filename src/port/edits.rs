@@ -43,6 +43,8 @@ impl Edits {
             .edits
             .iter()
             .filter(|edit| edit.range.start >= part.start && edit.range.end <= part.end)
+            // What is put in where the part ends comes before the text after it.
+            .filter(|edit| edit.range.start < part.end || part.end == text.len())
             .collect();
         // Insertions before what starts at the same byte, wide changes before those in them.
         inside.sort_by_key(|edit| {

@@ -3,12 +3,16 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// Results that may wait for their turn, for each thread.
 const WAITING: usize = 64;
+
+/// Items a thread takes on at a time, at most.
+const LARGEST_CLAIM: usize = 16;
 
 /// Bytes of results that may wait for their turn before no further work is begun.
 const WAITING_BYTES: usize = 4 << 20;
@@ -40,9 +44,9 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
         return items.try_for_each(|item| take(job(item)));
     }
     let queue = Queue {
+        items: Mutex::new(items),
+        claimed: AtomicUsize::new(0),
         state: Mutex::new(State {
-            items,
-            next: 0,
             taken: 0,
             done: BTreeMap::new(),
             bytes: 0,
@@ -72,7 +76,10 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
 }
 
 struct Queue<T, O> {
-    state: Mutex<State<T, O>>,
+    items: Mutex<T>,
+    /// Items that threads have taken on.
+    claimed: AtomicUsize,
+    state: Mutex<State<O>>,
     /// The result whose turn it is has come, or the last thread has ended.
     ready: Condvar,
     /// Results were handed on, so that work may run ahead again.
@@ -81,10 +88,7 @@ struct Queue<T, O> {
     window: usize,
 }
 
-struct State<T, O> {
-    items: T,
-    /// Number of the next item.
-    next: usize,
+struct State<O> {
     /// Results handed on.
     taken: usize,
     /// Results waiting for their turn, and what they weigh.
@@ -96,7 +100,7 @@ struct State<T, O> {
 }
 
 impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
-    fn lock(&self) -> MutexGuard<'_, State<T, O>> {
+    fn lock(&self) -> MutexGuard<'_, State<O>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -104,40 +108,56 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
     fn work(&self, job: &(impl Fn(I) -> O + Sync)) {
         let mut kept: Vec<(usize, O)> = Vec::new();
         let mut since = Instant::now();
-        let mut state = self.lock();
-        loop {
-            let full = |s: &State<T, O>| {
-                !s.stop && (s.next >= s.taken + self.window || s.bytes >= WAITING_BYTES)
-            };
-            if full(&state) {
-                self.bring(&mut state, &mut kept);
-                while full(&state) {
-                    state = self.room.wait(state).unwrap_or_else(PoisonError::into_inner);
+        while self.wait_for_room(&mut kept) {
+            let claim = self.claim();
+            if claim.is_empty() {
+                break;
+            }
+            for (number, item) in claim {
+                if kept.is_empty() {
+                    since = Instant::now();
+                }
+                kept.push((number, job(item)));
+                if since.elapsed() >= PATIENCE {
+                    self.bring(&mut self.lock(), &mut kept);
                 }
             }
-            let item = if state.stop { None } else { state.items.next() };
-            let Some(item) = item else {
-                self.bring(&mut state, &mut kept);
-                state.working -= 1;
-                self.ready.notify_one();
-                return;
-            };
-            let number = state.next;
-            state.next += 1;
-            drop(state);
-            if kept.is_empty() {
-                since = Instant::now();
-            }
-            kept.push((number, job(item)));
-            state = self.lock();
-            if since.elapsed() >= PATIENCE {
-                self.bring(&mut state, &mut kept);
+        }
+        let mut state = self.lock();
+        self.bring(&mut state, &mut kept);
+        state.working -= 1;
+        self.ready.notify_one();
+    }
+
+    /// Waits until work may run further ahead; `false` when there is to be no more.
+    fn wait_for_room(&self, kept: &mut Vec<(usize, O)>) -> bool {
+        let mut state = self.lock();
+        let full = |s: &State<O>| {
+            let ahead = self.claimed.load(Ordering::Relaxed) - s.taken;
+            !s.stop && (ahead >= self.window || s.bytes >= WAITING_BYTES)
+        };
+        if full(&state) {
+            self.bring(&mut state, kept);
+            while full(&state) {
+                state = self.room.wait(state).unwrap_or_else(PoisonError::into_inner);
             }
         }
+        !state.stop
+    }
+
+    /// The next items with their numbers: one at first, so that a few large ones are shared out,
+    /// more later, so that many small ones cost few locks.
+    fn claim(&self) -> Vec<(usize, I)> {
+        let mut items = self.items.lock().unwrap_or_else(PoisonError::into_inner);
+        let next = self.claimed.load(Ordering::Relaxed);
+        let claim: Vec<(usize, I)> =
+            (next..).zip(items.by_ref().take((next / 8).clamp(1, LARGEST_CLAIM))).collect();
+        self.claimed.store(next + claim.len(), Ordering::Relaxed);
+        claim
     }
 
     /// Hands over what a thread kept to itself.
-    fn bring(&self, state: &mut State<T, O>, kept: &mut Vec<(usize, O)>) {
+    fn bring(&self, state: &mut State<O>, kept: &mut Vec<(usize, O)>) {
         for (number, result) in kept.drain(..) {
             state.bytes += result.bytes();
             state.done.insert(number, result);
@@ -172,7 +192,6 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::{AtomicUsize, Ordering};
 
     impl<T> Weighed for (T,) {
         fn bytes(&self) -> usize {

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::expression::{self, Names, Problem};
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
-use super::preprocess::{Frame, Preprocessor, Version};
+use super::preprocess::{Frame, Preprocessor, Profile, Version};
 use crate::diagnostic::Diagnostic;
 use crate::parse::constant::Value;
 use crate::source::{Span, Target};
@@ -21,25 +21,28 @@ pub(super) struct Condition {
     in_else: bool,
 }
 
-/// Versions there are (GLSL 4.60 §3.3, GLSL ES 3.20 §3.4), and whether they are ES.
-const VERSIONS: &[(u32, bool)] = &[
-    (100, true),
-    (110, false),
-    (120, false),
-    (130, false),
-    (140, false),
-    (150, false),
-    (300, true),
-    (310, true),
-    (320, true),
-    (330, false),
-    (400, false),
-    (410, false),
-    (420, false),
-    (430, false),
-    (440, false),
-    (450, false),
-    (460, false),
+/// What a version that is not known is read as.
+const NEWEST: u32 = 460;
+
+/// Versions there are (GLSL 4.60 §3.3, GLSL ES 3.20 §3.4), whether they are ES, and their text.
+const VERSIONS: &[(u32, bool, &str)] = &[
+    (100, true, "100"),
+    (110, false, "110"),
+    (120, false, "120"),
+    (130, false, "130"),
+    (140, false, "140"),
+    (150, false, "150"),
+    (300, true, "300"),
+    (310, true, "310"),
+    (320, true, "320"),
+    (330, false, "330"),
+    (400, false, "400"),
+    (410, false, "410"),
+    (420, false, "420"),
+    (430, false, "430"),
+    (440, false, "440"),
+    (450, false, "450"),
+    (460, false, "460"),
 ];
 
 impl<'a> Preprocessor<'a> {
@@ -51,35 +54,22 @@ impl<'a> Preprocessor<'a> {
             let file = self.files.add(path, text.into());
             self.define_from(Lexer::new(text, file));
         }
-        self.predefine();
     }
 
-    /// Macros that depend on the version.
-    fn predefine(&mut self) {
-        let Version { number, es } = self.version;
-        self.predefined("__VERSION__", &number.to_string());
-        let profile = if es { "GL_es_profile" } else { "GL_core_profile" };
-        for name in ["GL_ES", "GL_es_profile", "GL_core_profile", "GL_FRAGMENT_PRECISION_HIGH"] {
-            self.macros.remove(name);
-        }
-        if es {
-            self.predefined("GL_ES", "1");
-            self.predefined("GL_FRAGMENT_PRECISION_HIGH", "1");
-        }
-        if number >= 150 {
-            self.predefined(profile, "1");
-        }
-        // GL_KHR_vulkan_glsl: `#define VULKAN 100`.
-        if self.target == Some(Target::Vulkan) {
-            self.predefined("VULKAN", "100");
-        }
-    }
-
-    fn predefined(&mut self, name: &'static str, text: &str) {
-        let text = self.keep(text);
-        let body = vec![Lexer::new(text, 0).next(&mut Vec::new())];
-        let definition = Macro { name, parameters: None, body, span: Span::default() };
-        self.macros.insert(name, Rc::new(definition));
+    /// What a macro of the language's own stands for, unless the shader took it away.
+    pub(super) fn predefined(&self, name: &str) -> Option<&'static str> {
+        let Version { number, es, profile } = self.version;
+        let there = match name {
+            "__VERSION__" => return VERSIONS.iter().find(|row| row.0 == number).map(|row| row.2),
+            "GL_ES" | "GL_FRAGMENT_PRECISION_HIGH" => es,
+            "GL_es_profile" => es && number >= 150,
+            "GL_core_profile" => !es && number >= 150 && profile == Profile::Core,
+            "GL_compatibility_profile" => !es && profile == Profile::Compatibility,
+            // GL_KHR_vulkan_glsl: `#define VULKAN 100`.
+            "VULKAN" if self.target == Some(Target::Vulkan) => return Some("100"),
+            _ => false,
+        };
+        there.then_some("1")
     }
 
     /// Obeys a directive whose `#` was just read.
@@ -91,6 +81,7 @@ impl<'a> Preprocessor<'a> {
             "undef" => {
                 if let Some(name) = self.on_line() {
                     self.macros.remove(name.text);
+                    self.undefined.push(name.text);
                 }
             }
             "if" => self.open(hash, Self::condition),
@@ -235,6 +226,7 @@ impl<'a> Preprocessor<'a> {
     fn knows(&self, name: &str) -> bool {
         self.macros.contains_key(name)
             || matches!(name, "__LINE__" | "__FILE__")
+            || (self.predefined(name).is_some() && !self.undefined.contains(&name))
             || is_common_extension(name, self.version.es)
     }
 
@@ -347,12 +339,10 @@ impl<'a> Preprocessor<'a> {
             self.diagnostics.push(warning.with_note("read as the newest version, 460"));
         }
         let es = known.is_some_and(|row| row.1) || line.get(1).is_some_and(|t| t.is("es"));
-        self.version = Version { number, es };
-        self.predefine();
-        if line.get(1).is_some_and(|t| t.is("compatibility")) {
-            self.macros.remove("GL_core_profile");
-            self.predefined("GL_compatibility_profile", "1");
-        }
+        let number = known.map_or(NEWEST, |row| row.0);
+        let compatibility = line.get(1).is_some_and(|t| t.is("compatibility"));
+        let profile = if compatibility { Profile::Compatibility } else { Profile::Core };
+        self.version = Version { number, es, profile };
     }
 
     /// An extension that is asked for is taken to be there, with its macro.

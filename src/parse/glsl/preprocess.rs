@@ -33,6 +33,8 @@ pub struct Preprocessor<'a> {
     pub(super) options: &'a ReadOptions,
     pub(super) files: Files,
     pub(super) macros: FxHashMap<&'a str, Rc<Macro<'a>>>,
+    /// Names that `#undef` took away: the language's own macros are among them.
+    pub(super) undefined: Vec<&'a str>,
     pub(super) conditions: Vec<Condition>,
     pub(super) frames: Vec<Frame<'a>>,
     /// Texts included so far, by path, so that a file is read once.
@@ -66,6 +68,17 @@ pub struct Version {
     pub number: u32,
     /// Whether it is GLSL ES.
     pub es: bool,
+    /// Which profile of desktop GLSL it is.
+    pub profile: Profile,
+}
+
+/// A profile of desktop GLSL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// `core`, also where none is written.
+    Core,
+    /// `compatibility`.
+    Compatibility,
 }
 
 /// Something tokens are read from.
@@ -95,13 +108,14 @@ impl<'a> Preprocessor<'a> {
             options,
             files,
             macros: FxHashMap::default(),
+            undefined: Vec::new(),
             conditions: Vec::new(),
             frames: vec![Frame::File { lexer: Lexer::new(text, file), conditions: 0 }],
             included: FxHashMap::default(),
             included_bytes: 0,
             comments: Vec::new(),
             diagnostics: Vec::new(),
-            version: Version { number: 110, es: false },
+            version: Version { number: 110, es: false, profile: Profile::Core },
             target,
             extensions: Vec::new(),
             obeyed: Vec::new(),
@@ -220,7 +234,15 @@ impl<'a> Preprocessor<'a> {
                 return Some(Token { kind: Kind::Number, text, ..token });
             }
         }
-        let Some(definition) = self.macros.get(token.text).cloned() else { return Some(token) };
+        let Some(definition) = self.macros.get(token.text).cloned() else {
+            if self.undefined.contains(&token.text) {
+                return Some(token);
+            }
+            return Some(match self.predefined(token.text) {
+                Some(text) => Token { kind: Kind::Number, text, ..token },
+                None => token,
+            });
+        };
         let active = self.frames.iter().any(|frame| match frame {
             Frame::Macro { name, .. } => *name == token.text,
             Frame::File { .. } | Frame::Tokens { .. } => false,
