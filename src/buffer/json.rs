@@ -29,6 +29,21 @@ pub enum EncodeError {
     Missing { path: String },
 }
 
+impl EncodeError {
+    /// The kebab-case name of its kind.
+    pub fn code(&self) -> &'static str {
+        match self {
+            EncodeError::Block(error) | EncodeError::Key { error, .. } => error.code(),
+            EncodeError::Syntax { .. } => "json-syntax",
+            EncodeError::Kind { .. } => "wrong-value",
+            EncodeError::Range { .. } => "value-out-of-range",
+            EncodeError::Length { .. } => "wrong-count",
+            EncodeError::Twice { .. } => "given-twice",
+            EncodeError::Missing { .. } => "missing-member",
+        }
+    }
+}
+
 impl fmt::Display for EncodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
