@@ -1,5 +1,5 @@
-//! Layouts and findings as text: one file a format, each reading only the
-//! [model](mod@crate::layout).
+//! Layouts, findings and values as text: one file a format, each reading only the
+//! [model](mod@crate::layout), or the values [decoded](crate::buffer::Decoded) by it.
 //!
 //! A document over many shaders is [`opening`], then each [`shader`] with
 //! [`between`] between them, then [`closing`], so that no more than one shader
@@ -9,6 +9,7 @@ mod csv;
 pub mod diagnostics;
 mod expand;
 pub mod explain;
+pub mod hex;
 mod json;
 mod listing;
 mod markdown;
@@ -16,6 +17,7 @@ mod paint;
 mod place;
 pub mod rust;
 mod table;
+pub mod values;
 mod words;
 
 pub use expand::MOST_OFFSETS;

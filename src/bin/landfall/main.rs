@@ -1,15 +1,18 @@
 //! The command line: arguments in, one command run, an exit code out.
 //!
-//! 0 is clean, 2 is "could not": wrong usage, a file that cannot be read or
+//! 0 is clean, 1 is "found something", 2 is "could not": wrong usage, a file that cannot be read or
 //! written, an error in a shader. Products go to stdout, findings to stderr.
 
 mod args;
+mod decode;
+mod encode;
 mod explain;
 mod inputs;
 mod layout;
 mod output;
 mod read;
 mod schema;
+mod shader;
 mod work;
 
 use std::process::ExitCode;
@@ -24,6 +27,8 @@ fn main() -> ExitCode {
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),
         Command::Explain(args) => explain::run(args, &streams),
+        Command::Encode(args) => encode::run(args, &streams),
+        Command::Decode(args) => decode::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
