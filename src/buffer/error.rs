@@ -45,6 +45,30 @@ pub enum BufferError {
 }
 
 impl BufferError {
+    /// The path it was asked for, where it is about one.
+    pub fn path(&self) -> Option<&str> {
+        match self {
+            BufferError::Unsized { path, .. }
+            | BufferError::NeedsTail { path, .. }
+            | BufferError::Malformed { path, .. }
+            | BufferError::UnknownPath { path, .. }
+            | BufferError::NotALeaf { path, .. }
+            | BufferError::NotAnArray { path, .. }
+            | BufferError::MissingIndex { path, .. }
+            | BufferError::OutOfRange { path, .. }
+            | BufferError::TailTooShort { path, .. }
+            | BufferError::WrongType { path, .. }
+            | BufferError::WrongSize { path, .. }
+            | BufferError::WrongIndices { path, .. } => Some(path),
+            BufferError::NoBytes { .. }
+            | BufferError::NoTail { .. }
+            | BufferError::TooLarge { .. }
+            | BufferError::OutOfBounds { .. }
+            | BufferError::WrongLength { .. }
+            | BufferError::OtherBlock { .. } => None,
+        }
+    }
+
     /// The kebab-case name of its kind.
     pub fn code(&self) -> &'static str {
         match self {

@@ -228,6 +228,19 @@ fn values_that_are_wrong_are_refused_with_their_place() {
         ran.refuses(code, words);
         assert!(ran.err.contains("<stdin>"), "{}", ran.err);
     }
+    let places = [
+        ("{\n \"dta\": []}", "2:2"),
+        ("{\"data\": [{},\n  {\"colour\": 1}]}", "2:4"),
+        ("{\"data\": [\n{\"pos\": [1,\n  2]}]}", "2:9"),
+        ("{\"data[3].pos\": [1, 2,\n    true]}", "2:5"),
+        ("{\"ä\": 1}", "1:2"),
+        ("{\"data\":[{},{\"data[3]\":\n0}]}", "1:14"),
+        ("{\"data[200]\": 0}", "1:2"),
+    ];
+    for (json, at) in places {
+        let ran = place.run_with(&["encode", "a.frag"], json);
+        assert!(ran.err.contains(&format!(" --> <stdin>:{at}\n")), "{at} {}", ran.err);
+    }
     let strict = ["encode", "a.frag", "--missing", "error"];
     place.run_with(&strict, "{}").refuses("missing-member", "`data[0].pos` is not given");
     place.run_with(&strict, "{}").refuses("missing-member", "with `--missing zero`");

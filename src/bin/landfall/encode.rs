@@ -1,12 +1,13 @@
 //! `landfall encode`: values in JSON to the bytes of a block.
 
+use std::ops::Range;
 use std::path::Path;
 
 use landfall::buffer::{EncodeError, encode, read_json};
 use landfall::emit::{Paint, hex};
 use landfall::file::write_whole;
 use landfall::source::Files;
-use landfall::{BlockLayout, Diagnostic, Error, Span};
+use landfall::{BlockLayout, Diagnostic, Error, Label, Span};
 
 use crate::args::EncodeArgs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
@@ -85,45 +86,43 @@ fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic,
 
 /// An error in the values with its place in them.
 fn explained(error: &EncodeError, path: String, text: String) -> (Diagnostic, Files) {
-    let mut files = Files::default();
-    let found = match error {
-        EncodeError::Syntax { line, column, message } => {
-            let span = span(&text, *line, *column);
-            let message = format!("malformed JSON: {message}");
-            if let (Ok(start), Ok(end)) = (span.start.try_into(), span.end.try_into()) {
-                let file = files.add(path, text.into());
-                Diagnostic::error(error.code(), Span { file, start, end }, message)
-            } else {
-                shader::finding(&path, error.code(), error.to_string(), None)
-            }
-        }
-        EncodeError::Missing { path: member } => {
-            let help = "give it, or let what is missing be zero with `--missing zero`";
-            let message = format!("`{member}` is not given");
-            shader::finding(&path, error.code(), message, Some(help.to_string()))
+    let (message, mut help) = read::message_and_help(&error.to_string());
+    let message = match error {
+        EncodeError::Syntax { message, .. } => format!("malformed JSON: {message}"),
+        EncodeError::Missing { .. } => {
+            let words = "give it, or let what is missing be zero with `--missing zero`";
+            help = Some(words.to_string());
+            message
         }
         EncodeError::Block(_)
         | EncodeError::Key { .. }
         | EncodeError::Kind { .. }
         | EncodeError::Range { .. }
         | EncodeError::Length { .. }
-        | EncodeError::Twice { .. } => {
-            let (message, help) = read::message_and_help(&error.to_string());
-            shader::finding(&path, error.code(), message, help)
-        }
+        | EncodeError::Twice { .. } => message,
     };
+    let mut found = shader::finding(&path, error.code(), message, help);
+    let mut files = Files::default();
+    if let Some(span) = error.locate(&text).and_then(|range| span(&text, range)) {
+        found.labels.push(Label { span, text: String::new() });
+        files.add(path, text.into());
+    }
     (found, files)
 }
 
-/// The character at a line and a column, the column counted in bytes; empty at the end.
-fn span(text: &str, line: usize, column: usize) -> std::ops::Range<usize> {
-    let line_start = text.split_inclusive('\n').take(line - 1).map(str::len).sum::<usize>();
-    let mut start = (line_start + column.saturating_sub(1)).min(text.len());
+/// A range of bytes as whole characters on one line; `None` past what a place can say.
+fn span(text: &str, range: Range<usize>) -> Option<Span> {
+    let (mut start, mut end) = (range.start, range.end);
     while !text.is_char_boundary(start) {
         start -= 1;
     }
-    let len = text[start..].chars().next().map_or(0, char::len_utf8);
-    start..start + len
+    while !text.is_char_boundary(end) {
+        end += 1;
+    }
+    if let Some(line) = text[start..end].find('\n').filter(|line| *line > 0) {
+        end = start + line;
+    }
+    Some(Span { file: 0, start: start.try_into().ok()?, end: end.try_into().ok()? })
 }
 
 #[cfg(test)]
@@ -131,13 +130,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_whole_characters() {
+    fn places_are_whole_characters_on_one_line() {
         let text = "{\n \"ä\": ü\n}";
-        assert_eq!(&text[span(text, 1, 1)], "{");
-        assert_eq!(&text[span(text, 2, 8)], "ü");
-        assert_eq!(&text[span(text, 2, 9)], "ü");
-        assert_eq!(&text[span(text, 3, 1)], "}");
-        assert_eq!(span(text, 9, 9), text.len()..text.len());
-        assert_eq!(span("", 1, 0), 0..0);
+        let shown = |range| {
+            let span = span(text, range).expect("a short text");
+            &text[span.start as usize..span.end as usize]
+        };
+        assert_eq!((shown(4..6), shown(5..7)), ("ä", "ä\""));
+        assert_eq!((shown(0..13), shown(9..10)), ("{", "ü"));
+        assert_eq!(shown(13..13), "");
     }
 }
