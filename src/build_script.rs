@@ -8,6 +8,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::emit::c::{COptions, c};
 use crate::emit::rust::{RustOptions, Tables, Vectors, Visibility, rust};
 use crate::emit::{Paint, diagnostics};
 use crate::error::Error;
@@ -34,16 +35,30 @@ pub struct Build {
     shaders: Vec<PathBuf>,
     options: Options,
     rust: RustOptions,
-    mirrors: Vec<Output>,
+    outputs: Vec<Output>,
 }
 
-/// A file to be written, and from where its path counts.
+/// A file to be written.
 #[derive(Clone, Debug)]
-enum Output {
-    /// Below Cargo's `OUT_DIR`.
-    OutDir(PathBuf),
-    /// Below the package: to be checked in.
-    Package(PathBuf),
+struct Output {
+    content: Content,
+    place: Place,
+    file: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Content {
+    RustMirrors,
+    CHeader,
+}
+
+/// From where a path counts.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// Cargo's `OUT_DIR`.
+    OutDir,
+    /// The package: the file is to be checked in.
+    Package,
 }
 
 /// Why a build script has to stop, as text that is meant to be read.
@@ -137,14 +152,27 @@ impl Build {
     }
 
     /// Writes Rust mirrors of all blocks to this file in `OUT_DIR`.
-    pub fn mirrors(mut self, file: impl AsRef<Path>) -> Build {
-        self.mirrors.push(Output::OutDir(file.as_ref().to_path_buf()));
-        self
+    pub fn mirrors(self, file: impl AsRef<Path>) -> Build {
+        self.output(Content::RustMirrors, Place::OutDir, file.as_ref())
     }
 
     /// Writes Rust mirrors of all blocks to this file in the package, to be checked in.
-    pub fn mirrors_in_package(mut self, file: impl AsRef<Path>) -> Build {
-        self.mirrors.push(Output::Package(file.as_ref().to_path_buf()));
+    pub fn mirrors_in_package(self, file: impl AsRef<Path>) -> Build {
+        self.output(Content::RustMirrors, Place::Package, file.as_ref())
+    }
+
+    /// Writes a C11 and C++17 header of all blocks to this file in `OUT_DIR`.
+    pub fn c_header(self, file: impl AsRef<Path>) -> Build {
+        self.output(Content::CHeader, Place::OutDir, file.as_ref())
+    }
+
+    /// Writes a C11 and C++17 header of all blocks to this file in the package, to be checked in.
+    pub fn c_header_in_package(self, file: impl AsRef<Path>) -> Build {
+        self.output(Content::CHeader, Place::Package, file.as_ref())
+    }
+
+    fn output(mut self, content: Content, place: Place, file: &Path) -> Build {
+        self.outputs.push(Output { content, place, file: file.to_path_buf() });
         self
     }
 
@@ -155,85 +183,110 @@ impl Build {
     /// # Errors
     /// A shader cannot be read or laid out, or a file cannot be written.
     pub fn run(&self) -> Result<(), BuildError> {
-        let generated = self.generate();
-        for path in &generated.watched {
+        let mut said = Said::default();
+        let layouts = self.lay_out(&mut said);
+        let texts: Vec<String> = match said.errors.is_empty() {
+            true => self.outputs.iter().map(|out| self.text(&layouts, out, &mut said)).collect(),
+            false => Vec::new(),
+        };
+        for path in &said.watched {
             println!("cargo::rerun-if-changed={}", path.display());
         }
-        for warning in &generated.warnings {
+        for warning in &said.warnings {
             println!("cargo::warning={warning}");
         }
-        if !generated.errors.is_empty() {
-            return Err(BuildError { text: generated.errors.trim_end().to_string() });
-        }
-        for output in &self.mirrors {
-            write_whole(&output.path()?, &generated.mirrors)?;
+        said.into_result()?;
+        for (output, text) in self.outputs.iter().zip(texts) {
+            write_whole(&output.path()?, text)?;
         }
         Ok(())
     }
 
-    /// The mirrors as text, for those who want to write them themselves; nothing is printed.
+    /// The Rust mirrors as text, for those who want to write them themselves; nothing is printed.
     ///
     /// # Errors
     /// A shader cannot be read or laid out.
     pub fn generate_string(&self) -> Result<String, BuildError> {
-        let generated = self.generate();
-        if generated.errors.is_empty() {
-            return Ok(generated.mirrors);
-        }
-        Err(BuildError { text: generated.errors.trim_end().to_string() })
+        let mut said = Said::default();
+        let layouts = self.lay_out(&mut said);
+        let text = self.mirrors_of(&layouts, &mut said);
+        said.into_result()?;
+        Ok(text)
     }
 
-    fn generate(&self) -> Generated {
-        let mut generated = Generated::default();
-        let mut layouts: Vec<ShaderLayout> = Vec::new();
+    fn lay_out(&self, said: &mut Said) -> Vec<ShaderLayout> {
+        let mut layouts = Vec::new();
         for path in &self.shaders {
-            generated.watched.insert(path.clone());
+            said.watched.insert(path.clone());
             let source = match Source::read(path) {
                 Ok(source) => source,
                 Err(error) => {
-                    generated.tell(&[error.into()], &Files::default());
+                    said.tell(&[error.into()], &Files::default());
                     continue;
                 }
             };
             let shader = layout(&source, &self.options);
             let files = shader.files.iter().map(|file| PathBuf::from(&file.path));
-            generated.watched.extend(files.filter(|file| file.is_file()));
-            generated.tell(&shader.diagnostics, &shader.files);
+            said.watched.extend(files.filter(|file| file.is_file()));
+            said.tell(&shader.diagnostics, &shader.files);
             layouts.push(shader);
         }
-        if generated.errors.is_empty() {
-            let inputs = self.shaders.iter().map(|path| path.display().to_string()).collect();
-            let options = RustOptions { inputs, ..self.rust.clone() };
-            let output = rust(&layouts.iter().collect::<Vec<_>>(), &options);
-            // A block without a mirror is named; the others have theirs.
-            for found in &output.diagnostics {
-                let shader =
-                    layouts.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
-                let files = shader.map_or_else(Files::default, |shader| shader.files.clone());
-                generated.warnings.push(one_line(found, &files));
+        layouts
+    }
+
+    fn text(&self, layouts: &[ShaderLayout], output: &Output, said: &mut Said) -> String {
+        match output.content {
+            Content::RustMirrors => self.mirrors_of(layouts, said),
+            Content::CHeader => {
+                let name = output.file.file_name().unwrap_or_default().to_string_lossy();
+                let options = COptions { file: name.into_owned(), prefix: String::new() };
+                let output = c(&layouts.iter().collect::<Vec<_>>(), &options);
+                said.left_out(&output.diagnostics, layouts);
+                output.text
             }
-            generated.mirrors = output.text;
         }
-        generated
+    }
+
+    fn mirrors_of(&self, layouts: &[ShaderLayout], said: &mut Said) -> String {
+        let inputs = self.shaders.iter().map(|path| path.display().to_string()).collect();
+        let options = RustOptions { inputs, ..self.rust.clone() };
+        let output = rust(&layouts.iter().collect::<Vec<_>>(), &options);
+        said.left_out(&output.diagnostics, layouts);
+        output.text
     }
 }
 
-/// Everything a run comes to before anything is written.
+/// What a run has to say, and the files it looked at.
 #[derive(Default)]
-struct Generated {
-    mirrors: String,
+struct Said {
     watched: BTreeSet<PathBuf>,
-    warnings: Vec<String>,
+    warnings: BTreeSet<String>,
     errors: String,
 }
 
-impl Generated {
+impl Said {
     /// Errors are kept with their excerpts; a warning of Cargo's is a line.
     fn tell(&mut self, found: &[Diagnostic], files: &Files) {
         let (errors, warnings): (Vec<Diagnostic>, Vec<Diagnostic>) =
             found.iter().cloned().partition(|d| d.severity == Severity::Error);
         self.errors.push_str(&diagnostics::human(&errors, files, Paint::Plain));
         self.warnings.extend(warnings.iter().map(|warning| one_line(warning, files)));
+    }
+
+    /// A block without a mirror is named; the others have theirs.
+    fn left_out(&mut self, found: &[Diagnostic], layouts: &[ShaderLayout]) {
+        for found in found {
+            let shader = layouts.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
+            let files = shader.map_or_else(Files::default, |shader| shader.files.clone());
+            self.warnings.insert(one_line(found, &files));
+        }
+    }
+
+    fn into_result(self) -> Result<(), BuildError> {
+        match self.errors.is_empty() {
+            true => Ok(()),
+            false => Err(BuildError { text: self.errors.trim_end().to_string() }),
+        }
     }
 }
 
@@ -251,18 +304,19 @@ fn one_line(found: &Diagnostic, files: &Files) -> String {
 
 impl Output {
     fn path(&self) -> Result<PathBuf, BuildError> {
-        let (variable, file) = match self {
-            Output::OutDir(file) => ("OUT_DIR", file),
-            Output::Package(file) => ("CARGO_MANIFEST_DIR", file),
+        let variable = match self.place {
+            Place::OutDir => "OUT_DIR",
+            Place::Package => "CARGO_MANIFEST_DIR",
         };
         match std::env::var_os(variable) {
-            Some(dir) => Ok(PathBuf::from(dir).join(file)),
-            None => Err(Error::new(
-                file.display().to_string(),
-                format!("has no place: `{variable}` is not set"),
-            )
-            .with_help("call `run` from a build script, or use `generate_string`")
-            .into()),
+            Some(dir) => Ok(PathBuf::from(dir).join(&self.file)),
+            None => {
+                let message = format!("has no place: `{variable}` is not set");
+                let error = Error::new(self.file.display().to_string(), message);
+                Err(error
+                    .with_help("call `run` from a build script, or use `generate_string`")
+                    .into())
+            }
         }
     }
 }

@@ -8,6 +8,7 @@ pub mod error;
 pub mod file;
 pub mod layout;
 pub mod parse;
+pub mod port;
 pub mod shape;
 pub mod source;
 

@@ -1,7 +1,7 @@
 //! From text to [`Shape`]: the declarations of a shader, function bodies passed over.
 
 pub(crate) mod constant;
-mod glsl;
+pub(crate) mod glsl;
 pub(crate) mod naga;
 mod wgsl;
 

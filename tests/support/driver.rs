@@ -113,6 +113,11 @@ impl Driver {
         Ok(Self { egl, display, context, gl, resources, limits })
     }
 
+    /// The context itself, to draw with.
+    pub fn gl(&self) -> &glow::Context {
+        &self.gl
+    }
+
     /// Vendor, renderer and version, for a message.
     pub fn name(&self) -> String {
         // SAFETY: the context is current.

@@ -12,6 +12,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part of the harness")]
 
 pub mod blocks;
+pub mod c;
 pub mod driver;
 pub mod fold;
 pub mod generate;
@@ -22,6 +23,7 @@ pub mod landfall;
 pub mod leaf;
 pub mod naga_wgsl;
 pub mod pairs;
+pub mod picture;
 pub mod run;
 pub mod spirv;
 pub mod wgsl;

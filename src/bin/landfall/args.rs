@@ -1,10 +1,14 @@
 //! What may be written on the command line. Nothing here acts.
 
+mod codec;
+
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use landfall::buffer::Missing;
+use landfall::emit::rust::Vectors;
 use landfall::{Language, Rules, Stage, Target, emit};
+
+pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
 #[derive(Debug, Parser)]
@@ -26,6 +30,10 @@ pub enum Command {
     Layout(LayoutArgs),
     /// Say why a path lands where it does, or who owns a byte
     Explain(ExplainArgs),
+    /// Write mirrors of all blocks, and tables from names to offsets, as Rust or C
+    Emit(EmitArgs),
+    /// Rewrite legacy GLSL for Vulkan, its loose uniforms in one std140 block
+    Port(PortArgs),
     /// Turn values in JSON into the bytes of a block
     Encode(EncodeArgs),
     /// Turn the bytes of a block into a table or JSON, and flag what looks wrong
@@ -120,74 +128,81 @@ pub enum ExplainFormat {
 }
 
 #[derive(Debug, clap::Args)]
-pub struct EncodeArgs {
-    /// The shader; - reads stdin
-    #[arg(value_name = "SHADER")]
-    pub file: PathBuf,
-    /// An object of the block's members, keys may be paths such as "data[3].color"; - reads stdin
-    #[arg(value_name = "VALUES", default_value = "-")]
-    pub values: PathBuf,
-    /// The block, by its own name or its instance's [default: the only one]
-    #[arg(short, long, value_name = "NAME")]
-    pub block: Option<String>,
-    /// What becomes of members that are not given
-    #[arg(long, value_name = "WHAT", default_value = "zero")]
-    pub missing: Absent,
-    /// A hex dump with the component that each word is, instead of the bytes
-    #[arg(long)]
-    pub hex: bool,
-    /// Write FILE, whole or not at all, instead of stdout
+pub struct EmitArgs {
+    /// Files, directories and globs; the blocks of all of them go into one file
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Language of the output
+    #[arg(short, long, value_name = "LANG")]
+    pub lang: EmitLang,
+    /// Write to FILE instead of stdout, whole or not at all
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Write nothing; exit with 1 if FILE is not what would be written
+    #[arg(long, requires = "out")]
+    pub check: bool,
+    /// Rust: vectors and matrices as glam's types or as arrays [default: glam]
+    #[arg(long, value_name = "AS", value_parser = [Vectors::Glam.name(), Vectors::Array.name()])]
+    pub vectors: Option<String>,
+    /// Rust: items visible in their crate only
+    #[arg(long)]
+    pub crate_visible: bool,
+    /// Rust: mirrors only, without tables from names to offsets
+    #[arg(long)]
+    pub no_tables: bool,
+    /// C: put before every type, macro and function
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub prefix: String,
     #[command(flatten)]
     pub read: ReadArgs,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Absent {
-    Zero,
-    Error,
-}
-
-impl Absent {
-    pub fn becomes(self) -> Missing {
-        match self {
-            Absent::Zero => Missing::Zero,
-            Absent::Error => Missing::Error,
-        }
-    }
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EmitLang {
+    /// `#[repr(C)]` structures for bytemuck, offsets checked when compiled
+    Rust,
+    /// A header for C11 and C++17, offsets checked when compiled
+    C,
 }
 
 #[derive(Debug, clap::Args)]
-pub struct DecodeArgs {
+pub struct PortArgs {
     /// The shader; - reads stdin
-    #[arg(value_name = "SHADER")]
+    #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The bytes; - reads stdin
-    #[arg(value_name = "BYTES")]
-    pub bytes: PathBuf,
-    /// The block, by its own name or its instance's [default: the only one]
-    #[arg(short, long, value_name = "NAME")]
-    pub block: Option<String>,
-    /// Form of the output
-    #[arg(short, long, value_name = "FORMAT", default_value = "table")]
-    pub format: DecodeFormat,
-    /// Start at that byte of a longer dump: 256, 0x100
-    #[arg(long, value_name = "BYTE", value_parser = byte)]
-    pub offset: Option<u64>,
-    /// Only what a path names: data[3], data[3].color
-    #[arg(long, value_name = "PATH")]
-    pub only: Option<String>,
+    /// What is to read the result
+    #[arg(long, value_name = "WHAT", default_value = "vulkan")]
+    pub to: PortTo,
+    /// Write to OUT instead of stdout, whole or not at all
+    #[arg(short, long, value_name = "OUT")]
+    pub out: Option<PathBuf>,
+    /// The stage before or after it, to agree with on locations
+    #[arg(long, value_name = "FILE")]
+    pub partner: Option<PathBuf>,
+    /// Give an input or output this location
+    #[arg(long = "location", value_name = "NAME=N", value_parser = location)]
+    pub locations: Vec<(String, u32)>,
+    /// Name of the block that loose uniforms become
+    #[arg(long, value_name = "NAME", default_value = "DefaultBlock")]
+    pub block: String,
+    /// Descriptor set of everything that has none
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub set: u32,
+    /// First binding to give out
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub first_binding: u32,
     #[command(flatten)]
     pub read: ReadArgs,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum DecodeFormat {
-    /// A row for each scalar, vector and matrix
-    Table,
-    /// JSON that `landfall encode` takes
-    Json,
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PortTo {
+    /// Vulkan's GLSL 4.50
+    Vulkan,
+    /// GLSL 4.50 as naga and wgpu take it, textures and samplers apart
+    Naga,
+    /// WGSL, where its rules keep every member's place
+    Wgsl,
 }
 
 #[derive(Debug, clap::Args)]
@@ -300,14 +315,11 @@ fn setting(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// `256`, `0x100`.
-pub fn byte(text: &str) -> Result<u64, String> {
-    let parsed = match text.strip_prefix("0x") {
-        // A sign is no digit.
-        Some(digits) if !digits.starts_with('+') => u64::from_str_radix(digits, 16),
-        Some(_) | None => text.parse(),
-    };
-    parsed.map_err(|_| "a byte is a number such as 256 or 0x100".to_string())
+/// `NAME=N`.
+fn location(text: &str) -> Result<(String, u32), String> {
+    let (name, number) = setting(text)?;
+    let number = number.parse().map_err(|_| "a location is a whole number".to_string())?;
+    Ok((name, number))
 }
 
 #[cfg(test)]
@@ -327,13 +339,5 @@ mod tests {
         assert_eq!(define("N="), Ok(("N".to_string(), String::new())));
         assert!(define("3D").is_err());
         assert!(setting("N").is_err());
-    }
-
-    #[test]
-    fn bytes_are_decimal_or_hexadecimal() {
-        assert_eq!((byte("256"), byte("0x1f")), (Ok(256), Ok(31)));
-        for text in ["", "-1", "0x", "0x+1", "0xg", "18446744073709551616"] {
-            assert!(byte(text).is_err(), "{text}");
-        }
     }
 }

@@ -1,15 +1,17 @@
 //! The command line: arguments in, one command run, an exit code out.
 //!
-//! 0 is clean, 1 is "found something", 2 is "could not": wrong usage, a file that cannot be read or
+//! 0 is clean, 1 is findings, 2 is "could not": wrong usage, a file that cannot be read or
 //! written, an error in a shader. Products go to stdout, findings to stderr.
 
 mod args;
 mod decode;
+mod emit;
 mod encode;
 mod explain;
 mod inputs;
 mod layout;
 mod output;
+mod port;
 mod read;
 mod schema;
 mod shader;
@@ -27,6 +29,8 @@ fn main() -> ExitCode {
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),
         Command::Explain(args) => explain::run(args, &streams),
+        Command::Emit(args) => emit::run(args, &streams),
+        Command::Port(args) => port::run(args, &streams),
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),

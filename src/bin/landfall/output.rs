@@ -15,7 +15,7 @@ use crate::args::Color;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     Clean,
-    /// It was done, and there is something to look at.
+    /// Something to look at: a generated file that is stale, bytes that look wrong.
     Findings,
     CouldNot,
 }
@@ -163,6 +163,13 @@ impl Streams {
         if !text.is_empty() {
             self.wipe_progress();
             let _ = anstream::stderr().write_all(text.as_bytes());
+        }
+    }
+
+    /// Writes what else there is to know to stderr, unless quiet.
+    pub fn notes(&self, text: &str) {
+        if !self.quiet {
+            self.report(text);
         }
     }
 

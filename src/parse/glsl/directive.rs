@@ -84,6 +84,7 @@ impl<'a> Preprocessor<'a> {
 
     /// Obeys a directive whose `#` was just read.
     pub(super) fn directive(&mut self, hash: Token<'a>) {
+        self.obeyed.push(hash.span);
         let Some(name) = self.on_line() else { return };
         match name.text {
             "define" => self.define(),

@@ -11,12 +11,13 @@ mod declarations;
 mod directive;
 mod expression;
 mod include;
-mod lexer;
+pub(crate) mod lexer;
 mod macros;
 mod members;
 mod preprocess;
 mod qualifiers;
-mod types;
+pub(crate) mod raw;
+pub(crate) mod types;
 
 use crate::diagnostic::Diagnostic;
 use crate::parse::Parsed;

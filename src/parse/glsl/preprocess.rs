@@ -44,6 +44,8 @@ pub struct Preprocessor<'a> {
     /// The API the text is for; `None` when neither the text nor the caller says.
     pub(super) target: Option<Target>,
     pub(super) extensions: Vec<&'a str>,
+    /// The directives obeyed so far: the `#` of each.
+    pub(super) obeyed: Vec<Span>,
     /// Function bodies of the shader's own file: from after `{` to before `}`.
     pub(super) bodies: Vec<Span>,
     /// Whether some macro holds an unpaired brace: then bodies are read token by token.
@@ -102,6 +104,7 @@ impl<'a> Preprocessor<'a> {
             version: Version { number: 110, es: false },
             target,
             extensions: Vec::new(),
+            obeyed: Vec::new(),
             bodies: Vec::new(),
             brace_macros: false,
             stopped: false,

@@ -1,0 +1,97 @@
+//! `landfall emit`: mirrors and tables of all blocks as one file of Rust or C.
+
+use std::fs;
+use std::path::Path;
+
+use landfall::emit::c::{COptions, c};
+use landfall::emit::rust::{RustOptions, Tables, Vectors, Visibility, rust};
+use landfall::file::write_whole;
+use landfall::source::Files;
+use landfall::{Diagnostic, Error, ShaderLayout};
+
+use crate::args::{EmitArgs, EmitLang};
+use crate::inputs::Inputs;
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::read;
+
+pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let report = |found: &[Diagnostic], files: &Files| {
+        streams.report(&streams.style(FindingForm::Human).text(found, files));
+    };
+    let mut shaders = Vec::new();
+    let mut failed = false;
+    for input in Inputs::new(args.files.clone()) {
+        let source = input.and_then(|input| read::source(&input.path, &args.read));
+        match source {
+            Ok(source) => {
+                let shader = landfall::layout(&source, &read::options(&args.read));
+                report(&shader.diagnostics, &shader.files);
+                failed |= shader.has_errors();
+                shaders.push(shader);
+            }
+            Err(error) => {
+                report(&[error.into()], &Files::default());
+                failed = true;
+            }
+        }
+    }
+    if failed {
+        return Ok(Outcome::CouldNot); // what was written before stays as it is
+    }
+    let (text, refused) = text(args, &shaders);
+    for found in &refused {
+        let shader = shaders.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
+        report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
+        failed |= found.severity == landfall::Severity::Error;
+    }
+    let outcome = match (&args.out, args.check) {
+        (Some(out), true) => check(out, &text, streams),
+        (Some(out), false) => {
+            write_whole(out, &text)?;
+            Outcome::Clean
+        }
+        (None, _) => {
+            streams.product(&text)?;
+            Outcome::Clean
+        }
+    };
+    Ok(if failed { Outcome::CouldNot } else { outcome })
+}
+
+/// The file, and what is said of the blocks that are not in it.
+fn text(args: &EmitArgs, shaders: &[ShaderLayout]) -> (String, Vec<Diagnostic>) {
+    let shaders: Vec<&ShaderLayout> = shaders.iter().collect();
+    match args.lang {
+        EmitLang::Rust => {
+            let options = RustOptions {
+                vectors: args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default(),
+                visibility: if args.crate_visible { Visibility::Crate } else { Visibility::Public },
+                tables: if args.no_tables { Tables::Without } else { Tables::Beside },
+                inputs: Vec::new(),
+            };
+            let output = rust(&shaders, &options);
+            (output.text, output.diagnostics)
+        }
+        EmitLang::C => {
+            let name = args.out.as_deref().and_then(Path::file_name);
+            let file = name.map_or("landfall.h".into(), |name| name.to_string_lossy());
+            let options = COptions { file: file.into_owned(), prefix: args.prefix.clone() };
+            let output = c(&shaders, &options);
+            (output.text, output.diagnostics)
+        }
+    }
+}
+
+/// Whether the file that is there is the one that would be written.
+fn check(out: &Path, text: &str, streams: &Streams) -> Outcome {
+    let stale = match fs::read_to_string(out) {
+        Ok(there) if there == text => return Outcome::Clean,
+        Ok(_) => "is not what the shaders say now",
+        Err(_) => "is not there",
+    };
+    let error = Error::new(out.display().to_string(), stale)
+        .with_help("run the same command without `--check`");
+    let found = Diagnostic { code: "stale-output", ..error.into() };
+    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    Outcome::Findings
+}

@@ -1,0 +1,188 @@
+//! Identifiers of C and C++ from names of shaders: keywords, macros of the
+//! systems' own headers and clashes get out of the way, always the same one.
+
+use rustc_hash::FxHashSet;
+
+use crate::ShaderLayout;
+use crate::layout::MemberLayout;
+use crate::shape::Type;
+
+/// Words C11 or C++17 (or C++20, C23) keep for themselves, and macros that
+/// common system headers define in lower case.
+const TAKEN: &str = "\
+    alignas alignof and and_eq asm assert auto bitand bitor bool break case catch char char16_t \
+    char32_t char8_t class co_await co_return co_yield compl complex concept const const_cast \
+    consteval constexpr constinit continue decltype default delete do double dynamic_cast else \
+    enum errno explicit export extern false far float for friend goto i386 if imaginary inline \
+    int int16_t int32_t int64_t int8_t interface linux long main mutable namespace near new \
+    noexcept noreturn not not_eq nullptr offsetof operator or or_eq private protected ptrdiff_t \
+    public register reinterpret_cast requires restrict return short signed size_t sizeof small \
+    static static_assert static_cast struct switch template this thread_local throw true try \
+    typedef typeid typename typeof typeof_unqual uint16_t uint32_t uint64_t uint8_t union unix \
+    unsigned using virtual void volatile wchar_t while xor xor_eq NULL EOF TRUE FALSE IN OUT \
+    OPTIONAL CONST VOID";
+
+/// The names of a header that are taken so far.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Names {
+    prefix: String,
+    /// Types, macros and functions: one namespace, as the preprocessor has it.
+    global: FxHashSet<String>,
+    /// Structures and blocks of all shaders: no field is called like one of them, since C++
+    /// takes a name inside a structure for one thing only.
+    types: FxHashSet<String>,
+}
+
+impl Names {
+    /// The names a header for these shaders starts with.
+    pub fn new(prefix: &str, shaders: &[&ShaderLayout]) -> Names {
+        let mut types = FxHashSet::default();
+        for block in shaders.iter().flat_map(|shader| &shader.blocks) {
+            types.insert(identifier(&block.name));
+            structures(&block.members, &mut types);
+        }
+        Names { prefix: identifier_part(prefix), global: FxHashSet::default(), types }
+    }
+
+    /// A name for a type that nothing else in the header has.
+    pub fn of_type(&mut self, shader_name: &str) -> String {
+        let name = identifier(&format!("{}{}", self.prefix, identifier_part(shader_name)));
+        self.claim(name)
+    }
+
+    /// The macro name for a shader name, not claimed: `POINT_LIGHT_BLOCK`.
+    pub fn upper(&self, shader_name: &str) -> String {
+        let name = snake(&format!("{}{}", self.prefix, identifier_part(shader_name)));
+        identifier(&name.to_ascii_uppercase())
+    }
+
+    /// The part of a macro's name that a member makes: `ACTUALLY_USED_COUNT`.
+    pub fn upper_part(&self, member: &str) -> String {
+        snake(&identifier_part(member)).to_ascii_uppercase()
+    }
+
+    /// The include guard of a file, or of what these shaders make when it has no name yet.
+    pub fn guard(&self, file: &str, shaders: &[&ShaderLayout]) -> String {
+        let paths: Vec<&str> = shaders.iter().map(|shader| shader.path.as_str()).collect();
+        let name = if file.is_empty() { paths.join("_") } else { file.to_string() };
+        let name: String =
+            name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        format!("LANDFALL_{}{name}_", self.prefix).to_ascii_uppercase()
+    }
+
+    /// That name, or the first of `NAME_2`, `NAME_3`, … that is free.
+    pub fn claim(&mut self, name: String) -> String {
+        let mut free = name.clone();
+        let mut number = 2;
+        while !self.global.insert(free.clone()) {
+            free = format!("{name}_{number}");
+            number += 1;
+        }
+        free
+    }
+
+    /// Gives a name back.
+    pub fn release(&mut self, name: &str) {
+        self.global.remove(name);
+    }
+
+    /// A field's name, different from those in `others`.
+    pub fn field(&self, shader_name: &str, others: &FxHashSet<String>) -> String {
+        let mut name = identifier(shader_name);
+        while self.types.contains(&name) || others.contains(&name) {
+            name.push('_');
+        }
+        name
+    }
+}
+
+fn structures(members: &[MemberLayout], types: &mut FxHashSet<String>) {
+    for member in members {
+        if let Type::Struct(s) = member.ty.innermost() {
+            if types.insert(identifier(&s.name)) || s.name.is_empty() {
+                structures(&member.members, types);
+            }
+        }
+    }
+}
+
+/// A name that C and C++ take as an identifier.
+fn identifier(name: &str) -> String {
+    let mut name = identifier_part(name);
+    if name.is_empty() || name.starts_with(|c: char| c.is_ascii_digit()) {
+        name.insert(0, '_');
+    }
+    if TAKEN.split_whitespace().any(|word| word == name) || name.starts_with("landfall_") {
+        name.push('_');
+    }
+    name
+}
+
+/// Letters, digits and underscores as they are, other characters by number.
+fn identifier_part(name: &str) -> String {
+    let mut result = String::with_capacity(name.len());
+    for c in name.chars() {
+        if c.is_ascii_alphanumeric() || c == '_' {
+            result.push(c);
+        } else {
+            result.push_str(&format!("u{:x}", u32::from(c)));
+        }
+    }
+    result
+}
+
+/// `PointLightBlock` as `Point_Light_Block`: underscores where words begin.
+pub(super) fn snake(name: &str) -> String {
+    let chars: Vec<char> = name.chars().collect();
+    let mut result = String::with_capacity(name.len() + 4);
+    for (i, &c) in chars.iter().enumerate() {
+        if i > 0 && c.is_ascii_uppercase() {
+            let before = chars[i - 1];
+            let lower_next = chars.get(i + 1).is_some_and(char::is_ascii_lowercase);
+            let word = before.is_ascii_lowercase()
+                || (lower_next && (before.is_ascii_uppercase() || before.is_ascii_digit()));
+            if word {
+                result.push('_');
+            }
+        }
+        result.push(c);
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_begin_at_capitals() {
+        for (name, want) in [
+            ("PointLightBlock", "Point_Light_Block"),
+            ("u_light", "u_light"),
+            ("HTTPServer", "HTTP_Server"),
+            ("Light2D", "Light2D"),
+            ("Light2Block", "Light2_Block"),
+            ("MVP", "MVP"),
+        ] {
+            assert_eq!(snake(name), want);
+        }
+    }
+
+    #[test]
+    fn keywords_and_system_macros_get_an_underscore() {
+        for name in ["near", "class", "register", "linux"] {
+            assert_eq!(identifier(name), format!("{name}_"));
+        }
+        assert_eq!(identifier("größe"), "gruf6udfe");
+        assert_eq!(identifier("nearest"), "nearest");
+    }
+
+    #[test]
+    fn a_name_that_is_taken_gets_a_number() {
+        let mut names = Names::new("", &[]);
+        assert_eq!(names.claim("A".to_string()), "A");
+        assert_eq!(names.claim("A".to_string()), "A_2");
+        names.release("A");
+        assert_eq!(names.claim("A".to_string()), "A");
+    }
+}

@@ -1,0 +1,246 @@
+//! What a header says of one block beside its structure: macros for sizes,
+//! offsets and bindings, and the table of names.
+
+use super::comments::safe;
+use super::names::{Names, snake};
+use super::reach::Mirror;
+use crate::ShaderLayout;
+use crate::layout::{BlockLayout, Leaf};
+use crate::shape::{ArrayLen, Rules, Scalar, ScalarKind, Type};
+
+/// Array dimensions a row of the table holds.
+pub(super) const MOST_DIMS: usize = 8;
+
+/// Parameters of offset macros, one a dimension.
+const INDICES: [&str; MOST_DIMS] = ["i", "j", "k", "l", "m", "n", "o", "p"];
+
+/// The macros, the table and the search of one block.
+#[derive(Clone, Debug)]
+pub(super) struct Section {
+    /// What its macros begin with.
+    pub macros: String,
+    /// The function that finds the elements of its runtime-sized tail.
+    pub tail: Option<String>,
+    /// The macro of each leaf's offset, in the order of the leaves.
+    pub offsets: Vec<String>,
+    /// The function from a path to an offset.
+    pub lookup: String,
+    pub text: String,
+    /// What it says, so that it is said once.
+    pub facts: String,
+}
+
+/// Writes a block's section; `None` when an earlier one says the same of the same block.
+pub(super) fn section(
+    block: &BlockLayout,
+    shader: &ShaderLayout,
+    mirror: &Mirror,
+    earlier: &[Section],
+    names: &mut Names,
+) -> Option<Section> {
+    let leaves: Vec<_> =
+        block.leaves.iter().map(|l| (&l.path, l.offset, &l.dims, &l.strides)).collect();
+    let facts = format!(
+        "{} {:?} {:?} {:?} {:?} {:?} {leaves:?}",
+        block.name, mirror.structure, block.size, block.group, block.binding, block.count
+    );
+    if earlier.iter().any(|section| section.facts == facts) {
+        return None;
+    }
+    let macros = macros(block, earlier, names);
+    let mut text = heading(block, shader);
+    constants(block, mirror, &macros, names, &mut text);
+    let tail = tail(mirror, &macros, names, &mut text);
+    let offsets = offsets(block, &macros, names, &mut text);
+    let lookup = rows(block, shader, &macros, names, &mut text);
+    Some(Section { macros, tail, offsets, lookup, text, facts })
+}
+
+/// What a block's macros begin with: its name, and its instance or a number where that is taken.
+fn macros(block: &BlockLayout, earlier: &[Section], names: &Names) -> String {
+    let taken = |name: &str| earlier.iter().any(|section| section.macros == name);
+    let mut wanted = names.upper(&block.name);
+    if let (true, Some(instance)) = (taken(&wanted), &block.instance) {
+        wanted = format!("{wanted}_{}", names.upper_part(instance));
+    }
+    let numbered = (2..).map(|number| format!("{wanted}_{number}"));
+    let mut all = std::iter::once(wanted.clone()).chain(numbered);
+    all.find(|name| !taken(name)).expect("numbers have no end")
+}
+
+fn heading(block: &BlockLayout, shader: &ShaderLayout) -> String {
+    let instance = block.instance.as_ref().map_or(String::new(), |name| format!(" {name}"));
+    let declared = if block.rules_declared {
+        ""
+    } else {
+        ".\n * The shader does not say so: its offsets are the driver's until it does"
+    };
+    let kind = block.space.name();
+    let rules = block.rules.name();
+    format!("/* {kind} {}{instance} of {}, {rules}{declared}. */\n", block.name, safe(&shader.path))
+}
+
+fn constants(
+    block: &BlockLayout,
+    mirror: &Mirror,
+    macros: &str,
+    names: &mut Names,
+    text: &mut String,
+) {
+    let mut define = |name: &str, value: String| {
+        let name = names.claim(format!("{macros}_{name}"));
+        text.push_str(&format!("#define {name} {value}\n"));
+    };
+    define("SIZE", number(block.size.unwrap_or(0)));
+    define("DATA_SIZE", number(block.data_size.unwrap_or(0)));
+    if let Some(group) = block.group {
+        define("GROUP", number(group.into()));
+    }
+    if let Some(binding) = block.binding {
+        define("BINDING", number(binding.into()));
+    }
+    if let [ArrayLen::Fixed(count)] = block.count.as_slice() {
+        define("BUFFERS", number((*count).into()));
+    }
+    if let Some((field, stride)) = &mirror.tail {
+        let align = match block.rules {
+            Rules::Std140 => 16,
+            Rules::Std430 | Rules::Wgsl => block.align.unwrap_or(1),
+            Rules::Scalar => 1,
+        };
+        let end = format!("{} + {} * (size_t)(n)", number(field.offset), number(*stride));
+        define(
+            "SIZE_FOR(n)",
+            match align {
+                1 => format!("({end})"),
+                _ => format!("(({end} + {}) / {align} * {align})", align - 1),
+            },
+        );
+    }
+    for member in block.members.iter().filter(|member| !member.dims.is_empty()) {
+        let name = snake(&member.name).to_ascii_uppercase();
+        if let Some(ArrayLen::Fixed(count)) = member.dims.first() {
+            define(&format!("{name}_COUNT"), number((*count).into()));
+        }
+        define(&format!("{name}_STRIDE"), number(member.strides[0]));
+    }
+}
+
+/// The function that finds the elements of the runtime-sized tail.
+fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> Option<String> {
+    let (field, _) = mirror.tail.as_ref()?;
+    let lower = macros.to_ascii_lowercase();
+    let function = names.claim(format!("{lower}_{}", field.name));
+    let mut element = field.ty.base.clone();
+    if !field.ty.brackets.is_empty() {
+        let brackets: String = field.ty.brackets.iter().map(|n| format!("[{n}]")).collect();
+        let name = names.claim(format!("{function}_element"));
+        text.push_str(&format!("typedef {element} {name}{brackets};\n"));
+        element = name;
+    }
+    text.push_str(&format!(
+        "/* The elements of `{}` in the bytes of a block. */\n\
+         static inline {element} *{function}(void *block)\n{{\n    \
+         return ({element} *)((unsigned char *)block + {});\n}}\n",
+        field.member,
+        number(field.offset),
+    ));
+    Some(function)
+}
+
+/// The offset macros; returns their names.
+fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut String) -> Vec<String> {
+    let mut all = Vec::with_capacity(block.leaves.len());
+    for leaf in &block.leaves {
+        let path = leaf.path.replace("[]", "");
+        let parts: Vec<String> = path.split('.').map(|part| names.upper_part(part)).collect();
+        let name = names.claim(format!("{macros}_{}_OFFSET", parts.join("_")));
+        let offset = number(leaf.offset.unwrap_or(0));
+        if leaf.dims.is_empty() {
+            text.push_str(&format!("#define {name} {offset}\n"));
+            all.push(name);
+            continue;
+        }
+        let indices = &INDICES[..leaf.dims.len()];
+        let terms = leaf.strides.iter().zip(indices);
+        let terms: String =
+            terms.map(|(stride, i)| format!(" + {} * (size_t)({i})", number(*stride))).collect();
+        text.push_str(&format!("#define {name}({}) ({offset}{terms})\n", indices.join(", ")));
+        all.push(name);
+    }
+    all
+}
+
+/// The table of names and the function that searches it; returns the function's name.
+fn rows(
+    block: &BlockLayout,
+    shader: &ShaderLayout,
+    macros: &str,
+    names: &mut Names,
+    text: &mut String,
+) -> String {
+    let table = names.claim(format!("{macros}_LEAVES"));
+    text.push_str(&format!("static const landfall_leaf {table}[] = {{\n"));
+    for leaf in &block.leaves {
+        text.push_str(&row(leaf, shader));
+    }
+    text.push_str("};\n");
+    let lookup = names.claim(format!("{}_lookup", macros.to_ascii_lowercase()));
+    text.push_str(&format!(
+        "/* Byte offset of a path of this block, or -1; see landfall_lookup. */\n\
+         static inline int64_t {lookup}(const char *path, const landfall_leaf **found)\n{{\n    \
+         return landfall_lookup({table}, sizeof({table}) / sizeof({table}[0]), path, found);\n}}\n",
+    ));
+    lookup
+}
+
+fn row(leaf: &Leaf, shader: &ShaderLayout) -> String {
+    let (scalar, columns, rows) = match &leaf.ty {
+        Type::Scalar(scalar) | Type::Atomic(scalar) => (Some(*scalar), 1, 1),
+        Type::Vector { scalar, rows } => (Some(*scalar), 1, *rows),
+        Type::Matrix { scalar, columns, rows } => (Some(*scalar), *columns, *rows),
+        Type::Address(_) => (None, 1, 1),
+        Type::Struct(_) | Type::Array { .. } => unreachable!("a leaf has no parts"),
+    };
+    let kind = scalar.map_or("LANDFALL_ADDRESS", kind);
+    let width = scalar.map_or(8, |scalar| scalar.width);
+    let dims: Vec<String> = leaf
+        .dims
+        .iter()
+        .map(|len| match len {
+            ArrayLen::Fixed(n) => number((*n).into()),
+            ArrayLen::Runtime | ArrayLen::Override(_) => "0".to_string(),
+        })
+        .collect();
+    let strides: Vec<String> = leaf.strides.iter().map(|stride| number(*stride)).collect();
+    let list = |list: Vec<String>| if list.is_empty() { "0".to_string() } else { list.join(", ") };
+    format!(
+        "    {{ \"{}\", \"{}\", {kind}, {width}, {columns}, {rows}, {}, {}, {}, {}, {}, {{ {} }}, {{ {} }} }},\n",
+        leaf.path,
+        safe(&leaf.ty.spelled(shader.language).to_string()),
+        u8::from(leaf.row_major),
+        number(leaf.matrix_stride.unwrap_or(0)),
+        number(leaf.offset.unwrap_or(0)),
+        number(leaf.size.unwrap_or(0)),
+        leaf.dims.len(),
+        list(dims),
+        list(strides),
+    )
+}
+
+fn kind(scalar: Scalar) -> &'static str {
+    match scalar.kind {
+        ScalarKind::Bool => "LANDFALL_BOOL",
+        ScalarKind::Sint => "LANDFALL_INT",
+        ScalarKind::Uint => "LANDFALL_UINT",
+        ScalarKind::Float => "LANDFALL_FLOAT",
+        ScalarKind::Bfloat => "LANDFALL_BFLOAT",
+        ScalarKind::FloatE5m2 => "LANDFALL_FLOAT_E5M2",
+        ScalarKind::FloatE4m3 => "LANDFALL_FLOAT_E4M3",
+    }
+}
+
+/// An unsigned number of C; wider than 32 bits where it has to be.
+fn number(value: u64) -> String {
+    if value <= u64::from(u32::MAX) { format!("{value}u") } else { format!("{value}ull") }
+}

@@ -1,0 +1,398 @@
+//! What C declares members as, and the structures that takes, each kept once.
+//!
+//! Reads the [layout](crate::layout); `structs`(super::structs) writes what is kept here.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::comments;
+use super::names::Names;
+use super::plain::plain_type;
+use super::reach::Mirror;
+use crate::layout::{BlockLayout, MemberLayout};
+use crate::shape::{ArrayLen, Rules, Type};
+use crate::source::Span;
+use crate::{Diagnostic, ShaderLayout};
+
+/// Why a block has no C structure.
+#[derive(Clone, Debug)]
+pub(super) struct Refusal {
+    pub span: Span,
+    pub why: String,
+}
+
+impl Refusal {
+    pub fn diagnostic(self, block: &BlockLayout, shader: &ShaderLayout) -> Diagnostic {
+        let message = format!("block `{}` is left out of the C header: {}", block.name, self.why);
+        Diagnostic {
+            path: Some(shader.path.clone()),
+            ..Diagnostic::error("no-c-mirror", self.span, message)
+        }
+    }
+}
+
+/// A type as C declares it, and how its leaves are reached.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct CType {
+    /// What stands before the name: `float`, `PointLight`.
+    pub base: String,
+    /// What stands after it: `[3]`.
+    pub brackets: Vec<u64>,
+    /// Bytes, as C counts them.
+    pub size: u64,
+    /// What C aligns it to, at most.
+    pub align: u64,
+    /// What follows the name on the way to a leaf or structure: `[].value`.
+    pub access: String,
+}
+
+/// A member of a C structure.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Field {
+    pub name: String,
+    /// The member's name in the shader; empty for padding.
+    pub member: String,
+    pub ty: CType,
+    pub offset: u64,
+    /// The type in the shader's spelling.
+    pub shader_type: String,
+    pub comment: Vec<String>,
+}
+
+/// A C structure.
+#[derive(Clone, Debug)]
+pub(super) struct CStruct {
+    pub name: String,
+    pub fields: Vec<Field>,
+    pub size: u64,
+    pub align: u64,
+    /// Alignment that `#pragma pack` has to bring it down to.
+    pub pack: Option<u64>,
+    /// A runtime-sized array behind it.
+    pub tail: Option<Field>,
+    /// Whether it is one of our own that other headers have too.
+    pub shared: bool,
+    /// What the shader calls it; empty for one of our own.
+    pub shader_name: String,
+    pub comment: Vec<String>,
+}
+
+/// The structures of a header in the order C needs them.
+#[derive(Debug, Default)]
+pub(super) struct Types {
+    pub structs: Vec<CStruct>,
+    /// Where each is, by its name in C.
+    places: FxHashMap<String, usize>,
+    /// Its name in C, by what it is called and made of.
+    known: FxHashMap<(String, String), String>,
+}
+
+impl Types {
+    /// A point to [roll back](Types::roll_back) to.
+    pub fn mark(&self) -> usize {
+        self.structs.len()
+    }
+
+    /// Forgets the structures added since.
+    pub fn roll_back(&mut self, mark: usize, names: &mut Names) {
+        for dropped in self.structs.drain(mark..) {
+            names.release(&dropped.name);
+            self.places.remove(&dropped.name);
+        }
+        self.known.retain(|_, name| self.places.contains_key(name));
+    }
+
+    /// The structure of that name in C.
+    pub fn get(&self, name: &str) -> Option<&CStruct> {
+        self.places.get(name).map(|&place| &self.structs[place])
+    }
+
+    /// The structures a block takes.
+    pub fn block(
+        &mut self,
+        block: &BlockLayout,
+        shader: &ShaderLayout,
+        names: &mut Names,
+    ) -> Result<Mirror, Refusal> {
+        let size = block.size.unwrap_or(0);
+        let (last, fixed) = match block.members.split_last() {
+            Some((last, before)) if last.dims.first() == Some(&ArrayLen::Runtime) => {
+                (Some(last), before)
+            }
+            _ => (None, block.members.as_slice()),
+        };
+        let mut tail = None;
+        if let Some(member) = last {
+            let ty = self.member_type(member, block.rules, shader, names)?;
+            let taken = FxHashSet::default();
+            tail = Some((field(member, ty, shader, names, &taken), member.strides[0]));
+        }
+        let end = tail.as_ref().map_or(size, |(field, _)| field.offset);
+        let fields = self.fields(fixed, end, block.rules, shader, names)?;
+        let comment = comments::lines(&block.comment, shader);
+        let structure = if fields.is_empty() {
+            None
+        } else {
+            let tail = tail.as_ref().map(|(field, _)| field.clone());
+            Some(self.structure(&block.name, fields.clone(), end, tail, comment, names))
+        };
+        Ok(Mirror { structure, tail, fields })
+    }
+
+    /// The fields of some members and the padding between them, up to `end`.
+    fn fields(
+        &mut self,
+        members: &[MemberLayout],
+        end: u64,
+        rules: Rules,
+        shader: &ShaderLayout,
+        names: &mut Names,
+    ) -> Result<Vec<Field>, Refusal> {
+        let mut sorted: Vec<&MemberLayout> = members.iter().collect();
+        sorted.sort_by_key(|member| member.offset);
+        let mut fields: Vec<Field> = Vec::with_capacity(sorted.len());
+        let mut taken = FxHashSet::default();
+        let mut at = 0;
+        for member in sorted {
+            let ty = self.member_type(member, rules, shader, names)?;
+            let field = field(member, ty, shader, names, &taken);
+            if field.offset < at {
+                return Err(overlap(
+                    &fields,
+                    at,
+                    field.offset,
+                    &format!("`{}`", member.name),
+                    member.span,
+                ));
+            }
+            pad(&mut fields, &mut taken, at, field.offset);
+            at = field.offset + field.ty.size;
+            taken.insert(field.name.clone());
+            fields.push(field);
+        }
+        if at > end {
+            let span = members.last().map_or(Span::default(), |member| member.span);
+            return Err(overlap(&fields, at, end, "what follows", span));
+        }
+        if !fields.is_empty() || end > 0 {
+            pad(&mut fields, &mut taken, at, end);
+        }
+        Ok(fields)
+    }
+
+    /// What C declares a member as; a runtime-sized outer dimension is left out.
+    fn member_type(
+        &mut self,
+        member: &MemberLayout,
+        rules: Rules,
+        shader: &ShaderLayout,
+        names: &mut Names,
+    ) -> Result<CType, Refusal> {
+        let mut ty = match member.ty.innermost() {
+            Type::Struct(s) => {
+                let size = structure_size(&member.members, rules);
+                let fields = self.fields(&member.members, size, rules, shader, names)?;
+                let shader_name =
+                    if s.name.is_empty() { member.name.to_string() } else { s.name.to_string() };
+                let name = self.structure(&shader_name, fields, size, None, Vec::new(), names);
+                self.use_of(name, String::new())
+            }
+            plain => plain_type(plain, member),
+        };
+        for (len, stride) in member.dims.iter().zip(&member.strides).rev() {
+            if ty.size > *stride {
+                let why = format!(
+                    "an element of `{}` takes {} bytes in C, its stride is {stride}",
+                    member.name, ty.size
+                );
+                return Err(Refusal { span: member.span, why });
+            }
+            if ty.size < *stride {
+                ty = self.element(ty, *stride, names);
+            }
+            ty.access.insert_str(0, "[]");
+            if let ArrayLen::Fixed(n) = len {
+                ty.brackets.insert(0, u64::from(*n));
+                ty.size = stride * u64::from(*n);
+            }
+        }
+        Ok(ty)
+    }
+
+    /// A structure of one `value` and the padding that fills a stride.
+    fn element(&mut self, ty: CType, stride: u64, names: &mut Names) -> CType {
+        let access = format!(".value{}", ty.access);
+        // Of plain types it is called the same, and is the same, in every header.
+        let shared = self.get(&ty.base).is_none_or(|base| base.shared);
+        let mut name = ty.base.trim_end_matches("_t").to_string();
+        if shared && !name.starts_with("landfall_") {
+            name.insert_str(0, "landfall_");
+        }
+        for count in &ty.brackets {
+            name.push_str(&format!("_{count}"));
+        }
+        name.push_str(&format!("_stride{stride}"));
+        let size = ty.size;
+        let mut fields = vec![Field {
+            name: "value".to_string(),
+            member: String::new(),
+            offset: 0,
+            shader_type: String::new(),
+            comment: Vec::new(),
+            ty,
+        }];
+        pad(&mut fields, &mut FxHashSet::default(), size, stride);
+        let key = (name.clone(), signature(&fields, stride, None));
+        let known = self.known.get(&key).cloned();
+        let name = known.unwrap_or_else(|| {
+            let name = if shared { name } else { names.claim(name) };
+            let made = CStruct::new(name, fields, stride);
+            self.keep(key, CStruct { shared, ..made })
+        });
+        self.use_of(name, access)
+    }
+
+    /// That structure as a type.
+    fn use_of(&self, name: String, access: String) -> CType {
+        let found = self.get(&name).expect("it was just kept");
+        CType { size: found.size, align: found.align, brackets: Vec::new(), base: name, access }
+    }
+
+    /// The structure of that content, made if there is none yet.
+    fn structure(
+        &mut self,
+        shader_name: &str,
+        fields: Vec<Field>,
+        size: u64,
+        tail: Option<Field>,
+        comment: Vec<String>,
+        names: &mut Names,
+    ) -> String {
+        let key = (shader_name.to_string(), signature(&fields, size, tail.as_ref()));
+        if let Some(known) = self.known.get(&key) {
+            return known.clone();
+        }
+        let made = CStruct::new(names.of_type(shader_name), fields, size);
+        let shader_name = shader_name.to_string();
+        self.keep(key, CStruct { shader_name, comment, tail, ..made })
+    }
+
+    fn keep(&mut self, key: (String, String), mut made: CStruct) -> String {
+        let all = made.fields.iter().chain(&made.tail);
+        let natural = all.map(|f| f.ty.align).max().unwrap_or(1);
+        made.align = fitting_alignment(&made, natural);
+        made.pack = (made.align < natural).then_some(made.align);
+        let name = made.name.clone();
+        self.known.insert(key, name.clone());
+        self.places.insert(name.clone(), self.structs.len());
+        self.structs.push(made);
+        name
+    }
+}
+
+impl CStruct {
+    /// What it is made of, comments aside.
+    pub fn signature(&self) -> String {
+        signature(&self.fields, self.size, self.tail.as_ref())
+    }
+
+    fn new(name: String, fields: Vec<Field>, size: u64) -> CStruct {
+        CStruct {
+            name,
+            fields,
+            size,
+            align: 1,
+            pack: None,
+            tail: None,
+            shared: false,
+            shader_name: String::new(),
+            comment: Vec::new(),
+        }
+    }
+}
+
+/// What a structure is made of, comments aside.
+fn signature(fields: &[Field], size: u64, tail: Option<&Field>) -> String {
+    let mut text = format!("{size}");
+    for (mark, field) in fields.iter().map(|f| (';', f)).chain(tail.map(|f| ('~', f))) {
+        let CType { base, brackets, .. } = &field.ty;
+        text.push_str(&format!("{mark}{} {base}{brackets:?}@{}", field.name, field.offset));
+    }
+    text
+}
+
+fn field(
+    member: &MemberLayout,
+    ty: CType,
+    shader: &ShaderLayout,
+    names: &Names,
+    taken: &FxHashSet<String>,
+) -> Field {
+    Field {
+        name: names.field(&member.name, taken),
+        member: member.name.to_string(),
+        ty,
+        offset: member.offset.expect("a placed block's members are placed"),
+        shader_type: member.ty.spelled(shader.language).to_string(),
+        comment: comments::lines(&member.comment, shader),
+    }
+}
+
+fn pad(fields: &mut Vec<Field>, taken: &mut FxHashSet<String>, from: u64, to: u64) {
+    if to <= from {
+        return;
+    }
+    let mut name = format!("_pad_{from}");
+    while taken.contains(&name) {
+        name.push('_');
+    }
+    taken.insert(name.clone());
+    fields.push(Field {
+        name,
+        member: String::new(),
+        ty: CType {
+            base: "uint8_t".to_string(),
+            brackets: vec![to - from],
+            size: to - from,
+            align: 1,
+            access: String::new(),
+        },
+        offset: from,
+        shader_type: String::new(),
+        comment: Vec::new(),
+    });
+}
+
+fn overlap(fields: &[Field], end: u64, next: u64, name: &str, span: Span) -> Refusal {
+    let before = fields.last().map_or("", |field| field.member.as_str());
+    let why = format!(
+        "`{before}` ends at byte {end} in C, but {name} begins at byte {next}, inside its padding"
+    );
+    Refusal { span, why }
+}
+
+/// The largest alignment, at most `natural`, under which C puts every field where it belongs.
+fn fitting_alignment(made: &CStruct, natural: u64) -> u64 {
+    let mut align = natural;
+    while align > 1 {
+        let mut all = made.fields.iter().chain(&made.tail);
+        let fits = all.all(|f| f.offset.is_multiple_of(f.ty.align.min(align)));
+        if fits && made.size.is_multiple_of(align) {
+            break;
+        }
+        align /= 2;
+    }
+    align
+}
+
+/// Bytes of a structure, from its placed members.
+fn structure_size(members: &[MemberLayout], rules: Rules) -> u64 {
+    let align = members.iter().filter_map(|m| m.align).max().unwrap_or(1);
+    let end = members.iter().filter_map(|m| Some(m.offset? + m.size?)).max().unwrap_or(0);
+    match rules {
+        // OpenGL 4.6 §7.6.2.2 rule 9.
+        Rules::Std140 => end.next_multiple_of(align.max(16)),
+        Rules::Std430 | Rules::Wgsl => end.next_multiple_of(align),
+        // GL_EXT_scalar_block_layout: a structure ends with its last member.
+        Rules::Scalar => end,
+    }
+}

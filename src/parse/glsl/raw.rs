@@ -1,0 +1,99 @@
+//! The tokens of a shader's own file as they stand in its text, macros not
+//! expanded: what an edit of the text needs to know.
+
+use rustc_hash::FxHashSet;
+
+use super::lexer::{Kind, Lexer};
+use super::preprocess::{Preprocessor, Texts};
+use super::target_of;
+use crate::source::{Files, ReadOptions, Source, Target};
+
+/// A token of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct RawToken {
+    pub kind: Kind,
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+    /// Whether the compiler reads it: no condition leaves it out.
+    pub active: bool,
+    /// The number of the directive it is part of, from 0.
+    pub directive: Option<usize>,
+}
+
+/// The tokens of a file and what else its text is made of.
+#[derive(Debug)]
+pub(crate) struct RawText {
+    pub tokens: Vec<RawToken>,
+    /// The shader itself, then its includes.
+    pub files: Files,
+    pub version: u32,
+    pub es: bool,
+    /// The API it is written for, as far as its text says.
+    pub target: Option<Target>,
+}
+
+/// Reads the tokens of a shader's own file.
+pub(crate) fn read(source: &Source, options: &ReadOptions) -> RawText {
+    let texts = Texts::new();
+    let target = options.target.or_else(|| target_of(&source.text));
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options, target);
+    let mut seen = FxHashSet::default();
+    loop {
+        let token = preprocessor.next();
+        if token.kind == Kind::End {
+            break;
+        }
+        if token.span.file == 0 {
+            seen.insert(token.span.start);
+        }
+    }
+    seen.extend(preprocessor.obeyed.iter().filter(|span| span.file == 0).map(|span| span.start));
+    let mut tokens = lex(&source.text);
+    mark_active(&mut tokens, &seen);
+    RawText {
+        tokens,
+        version: preprocessor.version.number,
+        es: preprocessor.version.es,
+        target,
+        files: preprocessor.files,
+    }
+}
+
+fn lex(text: &str) -> Vec<RawToken> {
+    let mut lexer = Lexer::new(text, 0);
+    let mut comments = Vec::new();
+    let mut tokens: Vec<RawToken> = Vec::new();
+    let mut directives = 0;
+    loop {
+        let mut token = lexer.next(&mut comments);
+        if token.kind == Kind::End {
+            return tokens;
+        }
+        let directive = (token.first && token.is("#")).then_some(directives);
+        directives += usize::from(directive.is_some());
+        loop {
+            let (start, end) = (token.span.start as usize, token.span.end as usize);
+            tokens.push(RawToken { kind: token.kind, start, end, active: false, directive });
+            match directive.and_then(|_| lexer.next_on_line(&mut comments)) {
+                Some(next) => token = next,
+                None => break,
+            }
+        }
+    }
+}
+
+/// Text between two directives is read as a whole or not at all: one token that was seen speaks
+/// for all, among them the arguments of macros that drop them.
+fn mark_active(tokens: &mut [RawToken], seen: &FxHashSet<u32>) {
+    let mut start = 0;
+    while start < tokens.len() {
+        let group = tokens[start].directive;
+        let length = tokens[start..].iter().take_while(|t| t.directive == group).count();
+        let run = &mut tokens[start..start + length];
+        let active = run.iter().any(|token| seen.contains(&(token.start as u32)));
+        run.iter_mut().for_each(|token| token.active = active);
+        start += length;
+    }
+}

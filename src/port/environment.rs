@@ -1,0 +1,146 @@
+//! Version, extensions and conditions: the ported text declares another
+//! version, and yet takes the branches the original took.
+
+use super::edits::Edits;
+use super::shader::Shader;
+use crate::source::Target;
+
+/// Extensions whose words are part of GLSL 4.50, or that are asked for in vain.
+const ABSORBED: &[&str] = &[
+    "GL_OES_standard_derivatives",
+    "GL_OES_texture_3D",
+    "GL_OES_EGL_image_external",
+    "GL_EXT_shader_texture_lod",
+    "GL_EXT_frag_depth",
+    "GL_EXT_draw_buffers",
+    "GL_EXT_gpu_shader4",
+    "GL_EXT_texture_array",
+    "GL_ARB_draw_buffers",
+    "GL_ARB_draw_instanced",
+    "GL_ARB_shader_texture_lod",
+    "GL_ARB_texture_rectangle",
+    "GL_ARB_explicit_attrib_location",
+    "GL_ARB_explicit_uniform_location",
+    "GL_ARB_uniform_buffer_object",
+    "GL_ARB_shader_storage_buffer_object",
+    "GL_ARB_shading_language_420pack",
+    "GL_ARB_separate_shader_objects",
+    "GL_ARB_enhanced_layouts",
+    "GL_ARB_gpu_shader5",
+    "GL_ARB_texture_gather",
+    "GL_ARB_texture_query_lod",
+    "GL_ARB_fragment_coord_conventions",
+    "GL_ARB_conservative_depth",
+];
+
+/// Rewrites `#version`, `#extension` and conditions.
+pub(super) fn adapt(shader: &Shader<'_>, edits: &mut Edits) {
+    let mut version = false;
+    let mut enabled: Vec<&str> = Vec::new();
+    for directive in shader.directives() {
+        let words: Vec<&str> = directive.clone().skip(1).map(|at| shader.word(at)).collect();
+        let first = &shader.raw.tokens[directive.start];
+        let last = &shader.raw.tokens[directive.end - 1];
+        let bytes = first.start..last.end;
+        match words.as_slice() {
+            ["version", ..] if first.active => {
+                version = true;
+                if needs_version(shader) {
+                    edits.replace(bytes, "#version 450");
+                }
+            }
+            ["extension", name, ":", behaviour, ..] => {
+                if first.active && matches!(*behaviour, "enable" | "require" | "warn") {
+                    enabled.push(name);
+                }
+                if ABSORBED.contains(name) {
+                    // The line stays, so that lines keep their numbers.
+                    edits.insert(bytes.start, "// ");
+                }
+            }
+            ["if" | "elif", ..] => {
+                condition(shader, directive.start + 2..directive.end, &enabled, edits)
+            }
+            [word @ ("ifdef" | "ifndef"), name, ..] => {
+                if let Some(value) = seen(shader, name, &enabled) {
+                    let holds = value.is_some() == (*word == "ifdef");
+                    edits.replace(bytes, format!("#if {}", u8::from(holds)));
+                }
+            }
+            _ => {}
+        }
+    }
+    if !version {
+        edits.insert(0, "#version 450\n");
+    }
+}
+
+fn needs_version(shader: &Shader<'_>) -> bool {
+    shader.raw.es || shader.raw.version < 450
+}
+
+/// Replaces what the original's compiler defined, and the new one does not, in a condition.
+fn condition(
+    shader: &Shader<'_>,
+    tokens: std::ops::Range<usize>,
+    enabled: &[&str],
+    edits: &mut Edits,
+) {
+    let mut at = tokens.start;
+    while at < tokens.end {
+        let start = at;
+        let mut defined = false;
+        if shader.word(at) == "defined" {
+            defined = true;
+            at += 1;
+            let bracket = at < tokens.end && shader.word(at) == "(";
+            at += usize::from(bracket);
+            if at >= tokens.end {
+                return;
+            }
+            let name = shader.word(at);
+            at += usize::from(bracket);
+            if at >= tokens.end {
+                return;
+            }
+            replace(shader, start..at + 1, name, defined, enabled, edits);
+        } else {
+            replace(shader, start..at + 1, shader.word(at), defined, enabled, edits);
+        }
+        at += 1;
+    }
+}
+
+fn replace(
+    shader: &Shader<'_>,
+    tokens: std::ops::Range<usize>,
+    name: &str,
+    defined: bool,
+    enabled: &[&str],
+    edits: &mut Edits,
+) {
+    let Some(value) = seen(shader, name, enabled) else { return };
+    let text = if defined { u32::from(value.is_some()) } else { value.unwrap_or(0) };
+    let raw = &shader.raw.tokens;
+    edits.replace(raw[tokens.start].start..raw[tokens.end - 1].end, text.to_string());
+}
+
+/// What the original's compiler defined a name as, where the new one says otherwise:
+/// `Some(None)` is not defined.
+fn seen(shader: &Shader<'_>, name: &str, enabled: &[&str]) -> Option<Option<u32>> {
+    let (version, es) = (shader.raw.version, shader.raw.es);
+    match name {
+        // `__VERSION__` itself is replaced wherever it stands.
+        "GL_ES" => es.then_some(Some(1)),
+        "GL_es_profile" => (es && version >= 300).then_some(Some(1)),
+        "GL_FRAGMENT_PRECISION_HIGH" => Some(es.then_some(1)),
+        "GL_core_profile" => (es || version < 150).then_some(None),
+        "GL_compatibility_profile" => None,
+        "VULKAN" => (shader.raw.target != Some(Target::Vulkan)).then_some(None),
+        _ => {
+            let vendor = name.strip_prefix("GL_")?.split('_').next()?;
+            let extension = !vendor.is_empty() && vendor.chars().all(|c| c.is_ascii_uppercase());
+            extension.then(|| enabled.contains(&name).then_some(1))
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Where the new declarations go: behind what they need, before what needs
+//! them, and outside conditions where that can be.
+
+use super::edits::Edits;
+use super::shader::Shader;
+use super::uniforms::Gathered;
+use crate::Diagnostic;
+use crate::source::Span;
+
+/// The byte to put declarations of `needed` at.
+pub(super) fn find(
+    shader: &Shader<'_>,
+    gathered: &Gathered,
+    needed: &[String],
+) -> Result<usize, Diagnostic> {
+    let limit = first_use(shader, needed);
+    let wanted = match gathered.last {
+        Some(end) => shader.next_line(end),
+        None => limit.unwrap_or(shader.text.len()),
+    };
+    let most = limit.unwrap_or(shader.text.len());
+    let mut at = wanted.max(gathered.after).min(most);
+    if let Some(after) = after_condition(shader, at).filter(|after| *after <= most) {
+        at = after;
+    }
+    if at >= gathered.after {
+        return Ok(at);
+    }
+    let first = needed.first().map_or("", String::as_str);
+    let span = Span { file: 0, start: most as u32, end: most as u32 };
+    let message = format!("`{first}` and the others are used before all their types are declared");
+    Err(Diagnostic::error("not-portable", span, message)
+        .with_note("one block holds all loose uniforms, so it stands behind all their types")
+        .with_help("move the structures above the first function"))
+}
+
+/// Puts whole lines at a byte.
+pub(super) fn insert(shader: &Shader<'_>, at: usize, mut text: String, edits: &mut Edits) {
+    if at > 0 && !shader.text[..at].ends_with('\n') {
+        text.insert(0, '\n');
+    }
+    if shader.text.contains("\r\n") {
+        text = text.replace("\r\n", "\n").replace('\n', "\r\n");
+    }
+    edits.insert_lines(at, text);
+}
+
+/// The start of the first function that uses one of the names, with the comments above it.
+fn first_use(shader: &Shader<'_>, needed: &[String]) -> Option<usize> {
+    let uses = |word: &str| needed.iter().any(|name| name == word);
+    // A macro that uses one of them may stand in any function.
+    let in_macro =
+        shader.words().any(|at| shader.raw.tokens[at].directive.is_some() && uses(shader.word(at)));
+    let function = shader.functions().find(|function| {
+        let body = function.body.clone();
+        body.is_some_and(|body| in_macro || shader.code[body].iter().any(|t| uses(t.text)))
+    })?;
+    Some(shader.lines_of(&function.tokens).bytes.start)
+}
+
+/// The line after the outermost `#endif` around a byte; `None` outside conditions.
+fn after_condition(shader: &Shader<'_>, at: usize) -> Option<usize> {
+    let mut depth = 0usize;
+    let mut inside = false;
+    for directive in shader.directives() {
+        let start = shader.raw.tokens[directive.start].start;
+        let word = if directive.len() > 1 { shader.word(directive.start + 1) } else { "" };
+        if start >= at && depth == 0 {
+            return None;
+        }
+        inside |= start >= at;
+        match word {
+            "if" | "ifdef" | "ifndef" => depth += 1,
+            "endif" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if inside && depth == 0 {
+            return Some(shader.next_line(start));
+        }
+    }
+    None
+}

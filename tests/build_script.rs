@@ -1,0 +1,125 @@
+//! A real user of the build script: the crate under `tests/example`, built and run, and what it
+//! sees when its shaders break.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/example");
+
+/// Runs a cargo command in a copy of the example; all copies share what they depend on.
+fn cargo(dir: &Path, command: &str) -> Output {
+    Command::new(env!("CARGO"))
+        .args([command, "--quiet", "--locked"])
+        .current_dir(dir)
+        .env("CARGO_TARGET_DIR", concat!(env!("CARGO_MANIFEST_DIR"), "/target/example"))
+        // Cargo's own variables for this test are not the example's.
+        .env_remove("CARGO_MANIFEST_DIR")
+        .env_remove("OUT_DIR")
+        .output()
+        .expect("cargo runs this test")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A copy of the example in a directory of its own, removed at the end.
+struct Copy(PathBuf);
+
+impl Copy {
+    fn new(name: &str) -> Copy {
+        let dir = std::env::temp_dir().join(format!("landfall-{name}-{}", std::process::id()));
+        for file in [
+            "Cargo.toml",
+            "Cargo.lock",
+            "build.rs",
+            "src/main.rs",
+            "shaders/lights.frag",
+            "shaders/particles.comp",
+            "shaders/include/light.glsl",
+        ] {
+            let to = dir.join(file);
+            fs::create_dir_all(to.parent().expect("below the copy")).expect("a directory");
+            fs::copy(Path::new(EXAMPLE).join(file), to).expect("a file of the example");
+        }
+        let manifest = fs::read_to_string(dir.join("Cargo.toml")).expect("the manifest");
+        let here = env!("CARGO_MANIFEST_DIR");
+        let manifest = manifest.replace("path = \"../..\"", &format!("path = \"{here}\""));
+        fs::write(dir.join("Cargo.toml"), manifest).expect("the manifest");
+        Copy(dir)
+    }
+
+    fn edit(&self, file: &str, from: &str, to: &str) {
+        let path = self.0.join(file);
+        let text = fs::read_to_string(&path).expect("a file of the copy");
+        assert!(text.contains(from), "{file} has no `{from}`");
+        fs::write(path, text.replace(from, to)).expect("a file of the copy");
+    }
+}
+
+impl Drop for Copy {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// One test, since the copies share a target directory that Cargo locks anyhow.
+#[test]
+fn the_example_follows_its_shaders() {
+    let run = cargo(Path::new(EXAMPLE), "run");
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    // PointLight is 48 bytes in std140: 128 of them and an int, rounded up to 16.
+    let printed = text(&run.stdout);
+    assert!(printed.contains("lights: 6160 bytes\n"), "{printed}");
+    assert!(printed.contains("lights[2].position: bytes 96 to 107\n"), "{printed}");
+    // mat4, mat3 of 3 × 16, vec3 and bool, float[3] of 16 each; then 16 and 5 × 32.
+    assert!(printed.contains("camera: 176 bytes\nparticles: 176 bytes for 5\n"), "{printed}");
+    assert_eq!(text(&run.stderr), "", "no warning of rustc's in the mirrors");
+
+    a_grown_structure_no_longer_compiles_with_the_old_call();
+    a_broken_shader_is_shown_with_its_line();
+    a_vanished_include_is_named();
+}
+
+/// The shader's structure gains a member: the Rust code that builds it is told at compile time.
+fn a_grown_structure_no_longer_compiles_with_the_old_call() {
+    let copy = Copy::new("grown");
+    copy.edit("shaders/include/light.glsl", "float range;", "float range; vec2 spot;");
+    let build = cargo(&copy.0, "build");
+    let told = text(&build.stderr);
+    assert!(!build.status.success());
+    assert!(told.contains("takes 5 arguments but 4"), "{told}");
+}
+
+fn a_broken_shader_is_shown_with_its_line() {
+    let copy = Copy::new("broken");
+    copy.edit("shaders/include/light.glsl", "vec3 color;", "vec5 color;");
+    copy.edit("shaders/particles.comp", "uint alive;", "uint alive[0];");
+    let build = cargo(&copy.0, "build");
+    let told = text(&build.stderr);
+    assert!(!build.status.success());
+    for part in [
+        "there is no type `vec5`",
+        "shaders/include/light.glsl:4:5",
+        "vec5 color;    // linear",
+        "did you mean `vec2`?",
+        "array `alive` has size 0",
+        "shaders/particles.comp:12:16",
+        "cargo::rerun-if-changed=shaders/include/light.glsl",
+        "cargo::rerun-if-changed=shaders/lights.frag",
+    ] {
+        assert!(told.contains(part), "`{part}` is missing from\n{told}");
+    }
+    assert!(!told.contains("panicked"), "{told}");
+}
+
+fn a_vanished_include_is_named() {
+    let copy = Copy::new("vanished");
+    fs::remove_file(copy.0.join("shaders/include/light.glsl")).expect("the include");
+    fs::remove_file(copy.0.join("shaders/particles.comp")).expect("a shader");
+    let told = text(&cargo(&copy.0, "build").stderr);
+    assert!(told.contains("`light.glsl` is not found"), "{told}");
+    assert!(told.contains("looked for `shaders/include/light.glsl`"), "{told}");
+    assert!(told.contains("`shaders/particles.comp` cannot be read"), "{told}");
+}
