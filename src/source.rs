@@ -166,8 +166,9 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
 /// UTF-16, binary data and other encodings are named, with line and column of the first bad byte.
 pub fn decode(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(Error::new(path, "is UTF-16, shaders are read as UTF-8")
-            .with_help("save the file as UTF-8"));
+        return Err(
+            Error::new(path, "is UTF-16, but read as UTF-8").with_help("save the file as UTF-8")
+        );
     }
     let text = match String::from_utf8(bytes) {
         Ok(text) => text,

@@ -2,7 +2,9 @@
 //!
 //! Nothing is copied: values are read from the bytes as they are written out.
 
+use std::convert::Infallible;
 use std::fmt::Write;
+use std::ops::Range;
 
 use serde::ser::{SerializeMap, SerializeSeq};
 use serde::{Serialize, Serializer};
@@ -11,7 +13,7 @@ use super::error::BufferError;
 use super::grid::{Extent, Grid, language};
 use super::number::Datum;
 use super::padding::{Findings, find, name_at};
-use super::resolve::{Place, What};
+use super::resolve::{Place, What, resolve, size};
 use super::value::take_bits;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::ArrayLen;
@@ -24,6 +26,9 @@ pub struct Decoded<'a> {
     pub(crate) bytes: &'a [u8],
     /// Elements of the runtime-sized array.
     pub(crate) tail: usize,
+    /// The part that is asked for, and its path; the block and nothing for all of it.
+    root: Place<'a>,
+    path: String,
     /// Bytes and values that look wrong, in order of their offsets.
     pub findings: Findings,
     /// What is odd about the length.
@@ -80,7 +85,8 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
         }
     }
     let bytes = if extent.tail.is_none() { &bytes[..given.min(whole)] } else { bytes };
-    let mut decoded = Decoded { block, bytes, tail, findings: Findings::default(), notes };
+    let (root, path, findings) = (Place::BLOCK, String::new(), Findings::default());
+    let mut decoded = Decoded { block, bytes, tail, root, path, findings, notes };
     decoded.findings = find(&decoded);
     Ok(decoded)
 }
@@ -91,13 +97,91 @@ impl<'a> Decoded<'a> {
         self.tail
     }
 
-    /// Gives every element of every leaf, in the order of the shader.
-    pub fn for_each(&self, mut then: impl FnMut(Element<'_>)) {
-        let mut path = String::new();
-        self.walk(Place::BLOCK, &mut path, &mut then);
+    /// The block the bytes are of.
+    pub fn block(&self) -> &'a BlockLayout {
+        self.block
     }
 
-    fn walk(&self, place: Place<'a>, path: &mut String, then: &mut dyn FnMut(Element<'_>)) {
+    /// Bytes that were decoded.
+    pub fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// Only what a path names, with what looks wrong there: `data[3]`, `data[3].color`, `view`.
+    ///
+    /// Serializes as an object with that path as its key, which [`encode`](super::encode())
+    /// takes too.
+    ///
+    /// # Errors
+    /// A path that names nothing, an index out of range.
+    pub fn only(self, path: &str) -> Result<Decoded<'a>, BufferError> {
+        let root = resolve(self.block, self.tail, path, None)?;
+        let path = match root.what {
+            What::Block => String::new(),
+            What::Struct(_) | What::Array(..) | What::Leaf(_) => path.to_string(),
+        };
+        let mut part = Decoded { root, path, ..self };
+        part.findings = find(&part);
+        Ok(part)
+    }
+
+    /// The bytes of the part that is asked for, its padding included.
+    pub(crate) fn range(&self) -> Range<usize> {
+        let len = self.bytes.len();
+        let start = self.root.offset as usize;
+        let end = match self.root.what {
+            What::Block => len,
+            What::Struct(_) | What::Array(..) | What::Leaf(_) => {
+                match size(self.block, self.root.what) {
+                    Some(size) => len.min(start.saturating_add(size as usize)),
+                    None => len,
+                }
+            }
+        };
+        start..end
+    }
+
+    /// Gives every element of every leaf, in the order of the shader.
+    pub fn for_each(&self, mut then: impl FnMut(Element<'_>)) {
+        let done: Result<(), Infallible> = self.try_for_each(|element| {
+            then(element);
+            Ok(())
+        });
+        let Ok(()) = done;
+    }
+
+    /// Gives every element of every leaf, in the order of the shader, until one is refused.
+    ///
+    /// # Errors
+    /// That of `then`.
+    pub fn try_for_each<E>(
+        &self,
+        mut then: impl FnMut(Element<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.walk(self.root, &mut self.path.clone(), &mut then)
+    }
+
+    /// Gives every element of the block, whatever part is asked for.
+    pub(crate) fn for_each_of_block(&self, mut then: impl FnMut(Element<'_>)) {
+        let mut then = |element: Element<'_>| {
+            then(element);
+            Ok(())
+        };
+        let done: Result<(), Infallible> = self.walk(Place::BLOCK, &mut String::new(), &mut then);
+        let Ok(()) = done;
+    }
+
+    fn walk<E>(
+        &self,
+        place: Place<'a>,
+        path: &mut String,
+        then: &mut dyn FnMut(Element<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
         let before = path.len();
         match place.what {
             What::Block | What::Struct(_) => {
@@ -106,14 +190,14 @@ impl<'a> Decoded<'a> {
                         path.push('.');
                     }
                     path.push_str(&member.name);
-                    self.walk(place.member(member), path, then);
+                    self.walk(place.member(member), path, then)?;
                     path.truncate(before);
                 }
             }
             What::Array(member, dim) => {
-                for index in 0..self.len(member, dim) {
+                for index in 0..self.count(member, dim) {
                     let _ = write!(path, "[{index}]");
-                    self.walk(place.element(member, dim, index), path, then);
+                    self.walk(place.element(member, dim, index), path, then)?;
                     path.truncate(before);
                 }
             }
@@ -132,9 +216,10 @@ impl<'a> Decoded<'a> {
                     rows: grid.rows.into(),
                     cells: &cells[..count],
                     grid,
-                });
+                })?;
             }
         }
+        Ok(())
     }
 
     fn members(&self, what: What<'a>) -> &'a [MemberLayout] {
@@ -145,7 +230,7 @@ impl<'a> Decoded<'a> {
         }
     }
 
-    fn len(&self, member: &MemberLayout, dim: usize) -> u64 {
+    fn count(&self, member: &MemberLayout, dim: usize) -> u64 {
         match member.dims[dim] {
             ArrayLen::Fixed(len) => len.into(),
             ArrayLen::Runtime | ArrayLen::Override(_) => self.tail as u64,
@@ -161,7 +246,11 @@ impl<'a> Decoded<'a> {
 
 impl Serialize for Decoded<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        At { decoded: self, place: Place::BLOCK }.serialize(serializer)
+        let at = At { decoded: self, place: self.root };
+        match self.path.as_str() {
+            "" => at.serialize(serializer),
+            path => serializer.collect_map([(path, at)]),
+        }
     }
 }
 
@@ -187,7 +276,7 @@ impl Serialize for At<'_, '_> {
                 map.end()
             }
             What::Array(member, dim) => {
-                let len = decoded.len(member, dim);
+                let len = decoded.count(member, dim);
                 let mut seq = serializer.serialize_seq(Some(len as usize))?;
                 for index in 0..len {
                     let place = place.element(member, dim, index);

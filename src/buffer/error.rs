@@ -44,6 +44,57 @@ pub enum BufferError {
     WrongIndices { path: String, wanted: usize, given: usize },
 }
 
+impl BufferError {
+    /// The path it was asked for, where it is about one.
+    pub fn path(&self) -> Option<&str> {
+        match self {
+            BufferError::Unsized { path, .. }
+            | BufferError::NeedsTail { path, .. }
+            | BufferError::Malformed { path, .. }
+            | BufferError::UnknownPath { path, .. }
+            | BufferError::NotALeaf { path, .. }
+            | BufferError::NotAnArray { path, .. }
+            | BufferError::MissingIndex { path, .. }
+            | BufferError::OutOfRange { path, .. }
+            | BufferError::TailTooShort { path, .. }
+            | BufferError::WrongType { path, .. }
+            | BufferError::WrongSize { path, .. }
+            | BufferError::WrongIndices { path, .. } => Some(path),
+            BufferError::NoBytes { .. }
+            | BufferError::NoTail { .. }
+            | BufferError::TooLarge { .. }
+            | BufferError::OutOfBounds { .. }
+            | BufferError::WrongLength { .. }
+            | BufferError::OtherBlock { .. } => None,
+        }
+    }
+
+    /// The kebab-case name of its kind.
+    pub fn code(&self) -> &'static str {
+        match self {
+            BufferError::NoBytes { .. } => "no-bytes",
+            BufferError::Unsized { .. } => "unsized-block",
+            BufferError::NeedsTail { .. } => "needs-tail",
+            BufferError::NoTail { .. } => "no-tail",
+            BufferError::TooLarge { .. } => "too-large",
+            BufferError::Malformed { .. } => "malformed-path",
+            BufferError::UnknownPath { .. } => "unknown-member",
+            BufferError::NotALeaf { .. } => "not-a-leaf",
+            BufferError::NotAnArray { .. } => "not-an-array",
+            BufferError::MissingIndex { .. } => "missing-index",
+            BufferError::OutOfRange { .. } | BufferError::TailTooShort { .. } => {
+                "index-out-of-range"
+            }
+            BufferError::WrongType { .. } => "wrong-type",
+            BufferError::WrongSize { .. } => "wrong-size",
+            BufferError::OutOfBounds { .. } => "out-of-bounds",
+            BufferError::WrongLength { .. } => "wrong-length",
+            BufferError::OtherBlock { .. } => "other-block",
+            BufferError::WrongIndices { .. } => "wrong-indices",
+        }
+    }
+}
+
 impl fmt::Display for BufferError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

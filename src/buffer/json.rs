@@ -1,11 +1,13 @@
 //! Reading JSON that says what a block is to hold, and what can be wrong with it.
 
 use std::fmt;
+use std::ops::Range;
 
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 
 use super::error::BufferError;
+use super::locate::{at_line, locate};
 
 /// Why JSON could not be turned into bytes. `at` is the place in it, spelled like a path.
 #[derive(Clone, PartialEq, Eq)]
@@ -27,6 +29,42 @@ pub enum EncodeError {
     Twice { at: String },
     /// Nothing was given for a member.
     Missing { path: String },
+}
+
+impl EncodeError {
+    /// The kebab-case name of its kind.
+    pub fn code(&self) -> &'static str {
+        match self {
+            EncodeError::Block(error) | EncodeError::Key { error, .. } => error.code(),
+            EncodeError::Syntax { .. } => "json-syntax",
+            EncodeError::Kind { .. } => "wrong-value",
+            EncodeError::Range { .. } => "value-out-of-range",
+            EncodeError::Length { .. } => "wrong-count",
+            EncodeError::Twice { .. } => "given-twice",
+            EncodeError::Missing { .. } => "missing-member",
+        }
+    }
+}
+
+impl EncodeError {
+    /// The bytes of the text it is about: of the key that names nothing, of the value that does
+    /// not fit, of what is not JSON. `None` when it is about something that is not there.
+    pub fn locate(&self, text: &str) -> Option<Range<usize>> {
+        match self {
+            EncodeError::Block(_) | EncodeError::Missing { .. } => None,
+            EncodeError::Syntax { line, column, .. } => Some(at_line(text, *line, *column)),
+            EncodeError::Key { at, error } => {
+                let key = error.path()?;
+                let path = if at.is_empty() { key.to_string() } else { format!("{at}.{key}") };
+                let found = locate(text, &path)?;
+                Some(found.key.unwrap_or(found.value))
+            }
+            EncodeError::Kind { at, .. }
+            | EncodeError::Range { at, .. }
+            | EncodeError::Length { at, .. }
+            | EncodeError::Twice { at } => Some(locate(text, at)?.value),
+        }
+    }
 }
 
 impl fmt::Display for EncodeError {

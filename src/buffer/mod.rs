@@ -36,6 +36,7 @@ mod grid;
 mod handle;
 mod index;
 mod json;
+mod locate;
 mod number;
 mod padding;
 mod pod;

@@ -5,7 +5,8 @@ use std::fmt;
 use super::decode::Decoded;
 use super::grid::Grid;
 use super::number::Datum;
-use crate::layout::{BlockLayout, MemberLayout};
+use crate::layout::BlockLayout;
+use crate::layout::byte::{ByteOwner, owner_of_byte};
 
 /// Findings listed in full; beyond, they are counted.
 const MOST_FINDINGS: usize = 1000;
@@ -26,6 +27,16 @@ pub enum Finding {
 }
 
 impl Finding {
+    /// The kebab-case name of its kind.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Finding::Padding { .. } => "nonzero-padding",
+            Finding::Nan { .. } => "not-a-number",
+            Finding::Infinite { .. } => "infinite",
+            Finding::OddBool { .. } => "odd-bool",
+        }
+    }
+
     /// The first byte it is about.
     pub fn offset(&self) -> u64 {
         match self {
@@ -77,30 +88,36 @@ pub struct Findings {
     pub more: usize,
 }
 
-/// Looks through the bytes of a block.
+/// Looks through the bytes of a block, or of the part of it that was asked for.
 pub(crate) fn find(decoded: &Decoded<'_>) -> Findings {
     let mut used = vec![0u64; decoded.bytes.len() / 64 + 1];
     let mut found = Findings::default();
+    decoded.for_each_of_block(|element| {
+        for (column, row) in element.grid.cells() {
+            let offset = element.offset as usize + element.grid.component(column, row);
+            for byte in offset..offset + usize::from(element.grid.scalar.width) {
+                used[byte / 64] |= 1 << (byte % 64);
+            }
+        }
+    });
     decoded.for_each(|element| {
         let grid = element.grid;
         for (datum, (column, row)) in element.cells.iter().zip(grid.cells()) {
             let offset = element.offset + grid.component(column, row) as u64;
-            for byte in offset as usize..offset as usize + usize::from(grid.scalar.width) {
-                used[byte / 64] |= 1 << (byte % 64);
-            }
             if let Some(finding) = finding(*datum, element.path, &grid, (column, row), offset) {
                 found.push(finding);
             }
         }
     });
     let is_used = |byte: usize| used[byte / 64] & 1 << (byte % 64) != 0;
-    let mut at = 0;
-    while at < decoded.bytes.len() {
+    let range = decoded.range();
+    let mut at = range.start;
+    while at < range.end {
         if is_used(at) {
             at += 1;
             continue;
         }
-        let end = (at..decoded.bytes.len()).find(|&b| is_used(b)).unwrap_or(decoded.bytes.len());
+        let end = (at..range.end).find(|&byte| is_used(byte)).unwrap_or(range.end);
         let hole = &decoded.bytes[at..end];
         if let Some(first) = hole.iter().position(|&byte| byte != 0) {
             let last = hole.iter().rposition(|&byte| byte != 0).unwrap_or(first);
@@ -153,36 +170,8 @@ fn finding(
 
 /// The path of the leaf that a byte of the block belongs to; `None` for padding.
 pub(crate) fn name_at(block: &BlockLayout, byte: u64) -> Option<String> {
-    let mut path = String::new();
-    name_in(&block.members, byte, &mut path).then_some(path)
-}
-
-/// Adds the path of the leaf below `members` that a byte from their start belongs to.
-fn name_in(members: &[MemberLayout], byte: u64, path: &mut String) -> bool {
-    let before = path.len();
-    for member in members {
-        let Some(mut rest) = member.offset.and_then(|offset| byte.checked_sub(offset)) else {
-            continue;
-        };
-        if member.size.is_some_and(|size| rest >= size) {
-            continue;
-        }
-        if before > 0 {
-            path.push('.');
-        }
-        path.push_str(&member.name);
-        for stride in member.strides.iter().map(|&stride| stride.max(1)) {
-            path.push_str(&format!("[{}]", rest / stride));
-            rest %= stride;
-        }
-        let inside = match Grid::of_member(member) {
-            Some(grid) => rest < grid.span() as u64,
-            None => name_in(&member.members, rest, path),
-        };
-        if inside {
-            return true;
-        }
-        path.truncate(before);
+    match owner_of_byte(block, byte) {
+        ByteOwner::Component { leaf, .. } => Some(leaf),
+        ByteOwner::Padding { .. } | ByteOwner::Beyond { .. } | ByteOwner::Loose => None,
     }
-    false
 }

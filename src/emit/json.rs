@@ -12,7 +12,7 @@ use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen, Override, Type};
 use crate::source::{Language, Span};
 
-pub(super) use lines::to_lines;
+pub(super) use lines::{to_lines, write_lines};
 
 /// The tool's name and version, as every JSON document has it.
 #[derive(serde::Serialize)]

@@ -1,5 +1,5 @@
-//! Layouts and findings as text: one file a format, each reading only the
-//! [model](mod@crate::layout).
+//! Layouts, findings and values as text: one file a format, each reading only the
+//! [model](mod@crate::layout), or the values [decoded](crate::buffer::Decoded) by it.
 //!
 //! A document over many shaders is [`opening`], then each [`shader`] with
 //! [`between`] between them, then [`closing`], so that no more than one shader
@@ -10,6 +10,7 @@ mod csv;
 pub mod diagnostics;
 mod expand;
 pub mod explain;
+pub mod hex;
 mod json;
 mod listing;
 mod markdown;
@@ -17,6 +18,7 @@ mod paint;
 mod place;
 pub mod rust;
 mod table;
+pub mod values;
 mod words;
 
 pub use expand::MOST_OFFSETS;

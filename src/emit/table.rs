@@ -45,7 +45,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     text
 }
 
-fn heading(block: &BlockLayout, language: Language, paint: Paint) -> String {
+pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> String {
     let mut text = paint.text(HEADING, &words::block_name(block));
     let mut part = |style: Style, part: &str| {
         if !part.is_empty() {

@@ -1,10 +1,14 @@
 //! What may be written on the command line. Nothing here acts.
 
+mod codec;
+
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use landfall::emit::rust::Vectors;
 use landfall::{Language, Rules, Stage, Target, emit};
+
+pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
 #[derive(Debug, Parser)]
@@ -30,6 +34,10 @@ pub enum Command {
     Emit(EmitArgs),
     /// Rewrite legacy GLSL for Vulkan, its loose uniforms in one std140 block
     Port(PortArgs),
+    /// Turn values in JSON into the bytes of a block
+    Encode(EncodeArgs),
+    /// Turn the bytes of a block into a table or JSON, and flag what looks wrong
+    Decode(DecodeArgs),
     /// Print the JSON Schema of an output
     Schema(SchemaArgs),
 }

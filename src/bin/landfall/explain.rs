@@ -4,34 +4,22 @@ use landfall::emit::explain::{Answer, json, text};
 use landfall::layout::byte::{ByteOwner, owner_of_byte};
 use landfall::layout::explain::explain;
 use landfall::layout::path::{PathError, PathErrorKind};
-use landfall::source::Files;
-use landfall::{BlockLayout, Diagnostic, Severity, ShaderLayout};
+use landfall::{BlockLayout, Diagnostic, ShaderLayout};
 
-use crate::args::{ExplainArgs, ExplainFormat};
-use crate::layout::{is_named, is_syntax};
+use crate::args::{self, ExplainArgs, ExplainFormat};
+use crate::layout::is_named;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::read;
+use crate::shader::{self, finding};
 
 pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
         ExplainFormat::Human => FindingForm::Human,
         ExplainFormat::Json => FindingForm::Json,
     };
-    let report = |found: &[Diagnostic], files: &Files| {
-        streams.report(&streams.style(form).text(found, files));
-    };
-    let source = match read::source(&args.file, &args.read) {
-        Ok(source) => source,
-        Err(error) => {
-            report(&[error.into()], &Files::default());
-            return Ok(Outcome::CouldNot);
-        }
-    };
-    let shader = landfall::layout(&source, &read::options(&args.read));
-    report(&shader.diagnostics, &shader.files);
-    if shader.diagnostics.iter().any(is_syntax) {
+    let style = streams.style(form);
+    let Some(shader) = shader::laid_out(&args.file, &args.read, streams, style) else {
         return Ok(Outcome::CouldNot);
-    }
+    };
     match answers(&shader, args) {
         Ok(answers) => {
             streams.product(&match args.format {
@@ -41,7 +29,7 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Ok(if shader.has_errors() { Outcome::CouldNot } else { Outcome::Clean })
         }
         Err(found) => {
-            report(&[found], &shader.files);
+            streams.report(&style.text(&[found], &shader.files));
             Ok(Outcome::CouldNot)
         }
     }
@@ -61,7 +49,7 @@ fn answers<'a>(
     let named = |block: &&BlockLayout| args.block.as_ref().is_none_or(|name| is_named(block, name));
     let blocks: Vec<&BlockLayout> = shader.blocks.iter().filter(named).collect();
     if blocks.is_empty() {
-        return Err(no_block(shader, args));
+        return Err(shader::no_block(shader, args.block.as_deref()));
     }
     match args.place.strip_prefix('@') {
         Some(byte) => of_byte(shader, &blocks, byte),
@@ -74,14 +62,10 @@ fn of_byte<'a>(
     blocks: &[&'a BlockLayout],
     text: &str,
 ) -> Result<Vec<(&'a BlockLayout, Answer)>, Diagnostic> {
-    let parsed = match text.strip_prefix("0x") {
-        Some(digits) => u64::from_str_radix(digits, 16),
-        None => text.parse(),
-    };
-    let Ok(byte) = parsed else {
+    let Ok(byte) = args::byte(text) else {
         let help = "a byte is written `@172` or `@0xac`".to_string();
         let message = format!("`@{text}` is no byte");
-        return Err(finding(shader, "malformed-path", message, Some(help)));
+        return Err(finding(&shader.path, "malformed-path", message, Some(help)));
     };
     let owners: Vec<(&BlockLayout, ByteOwner)> =
         blocks.iter().map(|block| (*block, owner_of_byte(block, byte))).collect();
@@ -111,7 +95,7 @@ fn outside(shader: &ShaderLayout, byte: u64, owners: &[(&BlockLayout, ByteOwner)
         }
     }
     let message = format!("byte {byte} lies in no block");
-    Diagnostic { notes, ..finding(shader, "byte-out-of-range", message, help) }
+    Diagnostic { notes, ..finding(&shader.path, "byte-out-of-range", message, help) }
 }
 
 fn of_path<'a>(
@@ -134,7 +118,7 @@ fn of_path<'a>(
     match furthest {
         Some(error) if found.is_empty() => {
             let (code, message) = (error.kind.code(), error.kind.to_string());
-            Err(finding(shader, code, message, error.kind.help()))
+            Err(finding(&shader.path, code, message, error.kind.help()))
         }
         _ => Ok(found),
     }
@@ -152,32 +136,4 @@ fn rank(error: &PathError) -> (usize, bool) {
         | PathErrorKind::Loose { .. } => false,
     };
     (error.resolved, suggests)
-}
-
-fn no_block(shader: &ShaderLayout, args: &ExplainArgs) -> Diagnostic {
-    let names: Vec<String> = shader.blocks.iter().map(|b| format!("`{}`", b.name)).collect();
-    let help = (!names.is_empty()).then(|| format!("there is {}", names.join(", ")));
-    let (code, message) = match &args.block {
-        Some(name) => ("unknown-block", format!("no block named `{name}` in `{}`", shader.path)),
-        None => ("no-blocks", format!("no blocks and no loose uniforms in `{}`", shader.path)),
-    };
-    finding(shader, code, message, help)
-}
-
-/// A finding about what was asked of a shader.
-fn finding(
-    shader: &ShaderLayout,
-    code: &'static str,
-    message: String,
-    help: Option<String>,
-) -> Diagnostic {
-    Diagnostic {
-        code,
-        severity: Severity::Error,
-        message,
-        path: Some(shader.path.clone()),
-        labels: vec![],
-        notes: vec![],
-        help,
-    }
 }

@@ -4,7 +4,9 @@
 //! written, an error in a shader. Products go to stdout, findings to stderr.
 
 mod args;
+mod decode;
 mod emit;
+mod encode;
 mod explain;
 mod inputs;
 mod layout;
@@ -12,6 +14,7 @@ mod output;
 mod port;
 mod read;
 mod schema;
+mod shader;
 mod work;
 
 use std::process::ExitCode;
@@ -28,6 +31,8 @@ fn main() -> ExitCode {
         Command::Explain(args) => explain::run(args, &streams),
         Command::Emit(args) => emit::run(args, &streams),
         Command::Port(args) => port::run(args, &streams),
+        Command::Encode(args) => encode::run(args, &streams),
+        Command::Decode(args) => decode::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {

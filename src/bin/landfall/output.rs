@@ -15,7 +15,7 @@ use crate::args::Color;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     Clean,
-    /// Something to look at: a generated file that is stale.
+    /// Something to look at: a generated file that is stale, bytes that look wrong.
     Findings,
     CouldNot,
 }
@@ -120,6 +120,31 @@ impl Streams {
     /// Writes a product to stdout.
     pub fn product(&self, text: &str) -> Result<(), Failure> {
         self.stdout.borrow_mut().write_all(text.as_bytes()).map_err(|cause| stdout_failure(&cause))
+    }
+
+    /// Writes a product to stdout piece by piece.
+    pub fn product_of(
+        &self,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        write(&mut *self.stdout.borrow_mut()).map_err(|cause| stdout_failure(&cause))
+    }
+
+    /// Whether stdout is a place for bytes that are no text.
+    pub fn takes_bytes(&self) -> Result<(), Error> {
+        if !io::stdout().is_terminal() {
+            return Ok(());
+        }
+        Err(Error::new("<stdout>", "is a terminal, and the bytes of a block are not text")
+            .with_help("`--out FILE` writes a file, `--hex` a dump to read"))
+    }
+
+    /// Writes a product that is no text to stdout, past whatever handles colours.
+    pub fn bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
+        self.finish()?;
+        let mut stdout = io::stdout().lock();
+        let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
+        written.map_err(|cause| stdout_failure(&cause))
     }
 
     /// Sees to it that all of the product has gone out.

@@ -1,4 +1,5 @@
-//! From the command line's words to a shader's source and the options it is laid out with.
+//! From the command line's words to a shader's source and the options it is laid out with, and
+//! to the other files a command reads.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -52,4 +53,49 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
         Language::Wgsl => None,
     };
     Ok(source)
+}
+
+/// A file as messages name it.
+pub fn shown(path: &Path) -> String {
+    if is_stdin(path) { "<stdin>".to_string() } else { path.display().to_string() }
+}
+
+/// Reads a file that is no shader.
+pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    let failed = |cause: std::io::Error| {
+        let reason = landfall::file::reason(&cause);
+        Error::new(shown(path), format!("cannot be read: {reason}"))
+    };
+    if is_stdin(path) {
+        let mut bytes = Vec::new();
+        std::io::stdin().lock().read_to_end(&mut bytes).map_err(failed)?;
+        return Ok(bytes);
+    }
+    if path.is_dir() {
+        return Err(Error::new(shown(path), "is a directory, not a file"));
+    }
+    std::fs::read(path).map_err(failed)
+}
+
+/// Reads a text that is no shader, its byte-order mark left out.
+pub fn text(path: &Path) -> Result<String, Error> {
+    let text = source::decode(&shown(path), bytes(path)?)?;
+    Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
+}
+
+/// Two files cannot both be read from stdin.
+pub fn only_one_stdin(shader: &Path, other: &Path) -> Result<(), Error> {
+    if is_stdin(shader) && is_stdin(other) {
+        return Err(Error::new("<stdin>", "cannot be both the shader and the other input")
+            .with_help("name a file for one of them"));
+    }
+    Ok(())
+}
+
+/// An error's text without its advice, and the advice.
+pub fn message_and_help(text: &str) -> (String, Option<String>) {
+    match text.split_once("\nhelp: ") {
+        Some((message, help)) => (message.to_string(), Some(help.to_string())),
+        None => (text.to_string(), None),
+    }
 }

@@ -9,11 +9,18 @@ use serde_json::ser::{CharEscape, CompactFormatter, Formatter, Serializer};
 /// A value as JSON whose arrays of objects take a line for each, indented from `depth`.
 pub(crate) fn to_lines<T: Serialize>(value: &T, depth: usize) -> String {
     let mut text = Vec::with_capacity(1 << 13);
-    let lines = Lines { depth, ..Lines::default() };
-    value
-        .serialize(&mut Serializer::with_formatter(&mut text, lines))
-        .expect("memory takes every byte, and keys are strings");
+    write_lines(value, depth, &mut text).expect("memory takes every byte, and keys are strings");
     String::from_utf8(text).expect("JSON of strings is UTF-8")
+}
+
+/// Writes such JSON piece by piece.
+pub(crate) fn write_lines<T: Serialize>(
+    value: &T,
+    depth: usize,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let lines = Lines { depth, ..Lines::default() };
+    Ok(value.serialize(&mut Serializer::with_formatter(out, lines))?)
 }
 
 /// The only object whose entries take a line each: it may have a million.

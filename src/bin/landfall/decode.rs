@@ -1,0 +1,130 @@
+//! `landfall decode`: the bytes of a block as a table or JSON, and what looks wrong in them.
+
+use landfall::buffer::{BufferError, Decoded, decode};
+use landfall::emit::diagnostics::MOST_SHOWN;
+use landfall::emit::values;
+use landfall::source::Files;
+use landfall::{ArrayLen, BlockLayout, Diagnostic, Severity};
+
+use crate::args::{DecodeArgs, DecodeFormat};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::{read, shader};
+
+pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    read::only_one_stdin(&args.file, &args.bytes)?;
+    let form = match args.format {
+        DecodeFormat::Table => FindingForm::Human,
+        DecodeFormat::Json => FindingForm::Json,
+    };
+    let style = streams.style(form);
+    let refused = |found: Diagnostic| {
+        streams.report(&style.text(&[found], &Files::default()));
+        Ok(Outcome::CouldNot)
+    };
+    let Some(shader) = shader::laid_out(&args.file, &args.read, streams, style) else {
+        return Ok(Outcome::CouldNot);
+    };
+    let block = match shader::block(&shader, args.block.as_deref()) {
+        Ok(block) => block,
+        Err(found) => return refused(found),
+    };
+    let bytes = match read::bytes(&args.bytes) {
+        Ok(bytes) => bytes,
+        Err(error) => return refused(error.into()),
+    };
+    let decoded = match decoded(block, &bytes, args) {
+        Ok(decoded) => decoded,
+        Err(found) => return refused(found),
+    };
+    streams.report(&style.text(&warnings(&decoded, args, form), &Files::default()));
+    streams.product_of(|out| match args.format {
+        DecodeFormat::Table => values::table(&decoded, shader.language, streams.paint, out),
+        DecodeFormat::Json => values::json(&decoded, out),
+    })?;
+    Ok(if shader.has_errors() {
+        Outcome::CouldNot
+    } else if decoded.findings.list.is_empty() && decoded.notes.is_empty() {
+        Outcome::Clean
+    } else {
+        Outcome::Findings
+    })
+}
+
+/// The values in the part of the bytes that is the block's.
+fn decoded<'a>(
+    block: &'a BlockLayout,
+    bytes: &'a [u8],
+    args: &DecodeArgs,
+) -> Result<Decoded<'a>, Diagnostic> {
+    let path = read::shown(&args.bytes);
+    let given = bytes.len();
+    // `None` when it goes on for as long as there are bytes.
+    let whole = match block.leaves.iter().any(|leaf| leaf.dims.first() == Some(&ArrayLen::Runtime))
+    {
+        true => None,
+        false => block.size.and_then(|size| usize::try_from(size).ok()),
+    };
+    let refused = |error: BufferError| {
+        let (message, help) = read::message_and_help(&error.to_string());
+        shader::finding(&path, error.code(), message, help)
+    };
+    let part = match args.offset {
+        None => {
+            if let Some(whole) = whole.filter(|whole| given > *whole) {
+                let help =
+                    format!("`--offset N` reads the {whole} bytes from byte N of a longer dump on");
+                let block = block.name.to_string();
+                let (wanted, given) = (whole as u64, given as u64);
+                let found = refused(BufferError::WrongLength { block, wanted, given, cut: None });
+                return Err(found.with_help(help));
+            }
+            bytes
+        }
+        Some(offset) => {
+            let rest = usize::try_from(offset).ok().and_then(|offset| bytes.get(offset..));
+            let Some(rest) = rest else {
+                let message = format!("`{path}` has {given} bytes, none at offset {offset}");
+                return Err(shader::finding(&path, "offset-out-of-range", message, None));
+            };
+            &rest[..whole.map_or(rest.len(), |whole| whole.min(rest.len()))]
+        }
+    };
+    let decoded = decode(block, part).map_err(|error| {
+        let found = refused(error);
+        match args.offset {
+            Some(offset) => found.with_note(format!(
+                "`{path}` has {given} bytes, {} of them from byte {offset} on",
+                part.len()
+            )),
+            None => found,
+        }
+    })?;
+    match &args.only {
+        Some(path) => decoded.only(path).map_err(refused),
+        None => Ok(decoded),
+    }
+}
+
+/// What looks wrong in the bytes; for people not more than they read.
+fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<Diagnostic> {
+    let path = read::shown(&args.bytes);
+    let warning = |code, message| Diagnostic {
+        severity: Severity::Warning,
+        ..shader::finding(&path, code, message, None)
+    };
+    let notes = decoded.notes.iter().map(|note| warning("odd-length", note.clone()));
+    let findings = &decoded.findings;
+    let all = findings.list.iter().map(|found| warning(found.code(), found.to_string()));
+    let mut warnings: Vec<Diagnostic> = notes.chain(all).collect();
+    let most = match form {
+        FindingForm::Human => MOST_SHOWN,
+        FindingForm::Json => usize::MAX,
+    };
+    let total = warnings.len() + findings.more;
+    if total > most || findings.more > 0 {
+        warnings.truncate(most - 1);
+        let message = format!("{} more findings in `{path}`", total - warnings.len());
+        warnings.push(warning("more-findings", message));
+    }
+    warnings
+}

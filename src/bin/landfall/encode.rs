@@ -1,0 +1,143 @@
+//! `landfall encode`: values in JSON to the bytes of a block.
+
+use std::ops::Range;
+use std::path::Path;
+
+use landfall::buffer::{EncodeError, encode, read_json};
+use landfall::emit::{Paint, hex};
+use landfall::file::write_whole;
+use landfall::source::Files;
+use landfall::{BlockLayout, Diagnostic, Error, Label, Span};
+
+use crate::args::EncodeArgs;
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::{read, shader};
+
+pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let out = args.out.as_deref().filter(|path| !read::is_stdin(path));
+    read::only_one_stdin(&args.file, &args.values)?;
+    if out.is_none() && !args.hex {
+        streams.takes_bytes()?;
+    }
+    let style = streams.style(FindingForm::Human);
+    let Some(shader) = shader::laid_out(&args.file, &args.read, streams, style) else {
+        return Ok(Outcome::CouldNot);
+    };
+    if shader.has_errors() {
+        return Ok(Outcome::CouldNot);
+    }
+    let made = shader::block(&shader, args.block.as_deref())
+        .map_err(|found| (found, Files::default()))
+        .and_then(|block| Ok((block, bytes(block, args)?)));
+    match made {
+        Ok((block, bytes)) => {
+            write(block, &bytes, args, out, streams)?;
+            Ok(Outcome::Clean)
+        }
+        Err((found, files)) => {
+            streams.report(&style.text(&[found], &files));
+            Ok(Outcome::CouldNot)
+        }
+    }
+}
+
+fn write(
+    block: &BlockLayout,
+    bytes: &[u8],
+    args: &EncodeArgs,
+    out: Option<&Path>,
+    streams: &Streams,
+) -> Result<(), Failure> {
+    match (out, args.hex) {
+        (Some(path), false) => Ok(write_whole(path, bytes)?),
+        (Some(path), true) => {
+            let mut text = Vec::new();
+            hex::dump(block, bytes, Paint::Plain, &mut text).map_err(|cause| {
+                let reason = landfall::file::reason(&cause);
+                Error::new(path.display().to_string(), format!("cannot be written: {reason}"))
+            })?;
+            Ok(write_whole(path, text)?)
+        }
+        (None, false) => streams.bytes(bytes),
+        (None, true) => streams.product_of(|out| hex::dump(block, bytes, streams.paint, out)),
+    }
+}
+
+/// The bytes that the values make, or what is wrong with those.
+fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic, Files)> {
+    let path = read::shown(&args.values);
+    let text = match read::text(&args.values) {
+        Ok(text) => text,
+        Err(error) => return Err((error.into(), Files::default())),
+    };
+    if text.trim().is_empty() {
+        let help = "it takes an object of the block's members; `{}` makes all of them zero";
+        let found = shader::finding(
+            &path,
+            "empty-input",
+            format!("`{path}` is empty"),
+            Some(help.to_string()),
+        );
+        return Err((found, Files::default()));
+    }
+    let made = read_json(&text).and_then(|values| encode(block, &values, args.missing.becomes()));
+    made.map_err(|error| explained(&error, path, text))
+}
+
+/// An error in the values with its place in them.
+fn explained(error: &EncodeError, path: String, text: String) -> (Diagnostic, Files) {
+    let (message, mut help) = read::message_and_help(&error.to_string());
+    let message = match error {
+        EncodeError::Syntax { message, .. } => format!("malformed JSON: {message}"),
+        EncodeError::Missing { .. } => {
+            let words = "give it, or let what is missing be zero with `--missing zero`";
+            help = Some(words.to_string());
+            message
+        }
+        EncodeError::Block(_)
+        | EncodeError::Key { .. }
+        | EncodeError::Kind { .. }
+        | EncodeError::Range { .. }
+        | EncodeError::Length { .. }
+        | EncodeError::Twice { .. } => message,
+    };
+    let mut found = shader::finding(&path, error.code(), message, help);
+    let mut files = Files::default();
+    if let Some(span) = error.locate(&text).and_then(|range| span(&text, range)) {
+        found.labels.push(Label { span, text: String::new() });
+        files.add(path, text.into());
+    }
+    (found, files)
+}
+
+/// A range of bytes as whole characters on one line; `None` past what a place can say.
+fn span(text: &str, range: Range<usize>) -> Option<Span> {
+    let (mut start, mut end) = (range.start, range.end);
+    while !text.is_char_boundary(start) {
+        start -= 1;
+    }
+    while !text.is_char_boundary(end) {
+        end += 1;
+    }
+    if let Some(line) = text[start..end].find('\n').filter(|line| *line > 0) {
+        end = start + line;
+    }
+    Some(Span { file: 0, start: start.try_into().ok()?, end: end.try_into().ok()? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_whole_characters_on_one_line() {
+        let text = "{\n \"ä\": ü\n}";
+        let shown = |range| {
+            let span = span(text, range).expect("a short text");
+            &text[span.start as usize..span.end as usize]
+        };
+        assert_eq!((shown(4..6), shown(5..7)), ("ä", "ä\""));
+        assert_eq!((shown(0..13), shown(9..10)), ("{", "ü"));
+        assert_eq!(shown(13..13), "");
+    }
+}

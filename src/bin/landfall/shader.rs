@@ -1,0 +1,116 @@
+//! The one shader that a command is about: read, laid out, and the block in it that is meant.
+
+use std::path::Path;
+
+use landfall::source::Files;
+use landfall::{BlockLayout, Diagnostic, Severity, ShaderLayout};
+
+use crate::args::ReadArgs;
+use crate::layout::{is_named, is_syntax};
+use crate::output::{FindingStyle, Streams};
+use crate::read;
+
+/// Blocks named in a message.
+const NAMES: usize = 8;
+
+/// Reads a shader, lays it out and reports what there is to say about it; `None` when nothing of
+/// it can be told.
+pub fn laid_out(
+    path: &Path,
+    args: &ReadArgs,
+    streams: &Streams,
+    style: FindingStyle,
+) -> Option<ShaderLayout> {
+    let source = match read::source(path, args) {
+        Ok(source) => source,
+        Err(error) => {
+            streams.report(&style.text(&[error.into()], &Files::default()));
+            return None;
+        }
+    };
+    let shader = landfall::layout(&source, &read::options(args));
+    streams.report(&style.text(&shader.diagnostics, &shader.files));
+    let lost = shader.diagnostics.iter().any(is_syntax);
+    (!lost).then_some(shader)
+}
+
+/// The block of that name, or the only one that has bytes.
+pub fn block<'a>(
+    shader: &'a ShaderLayout,
+    name: Option<&str>,
+) -> Result<&'a BlockLayout, Diagnostic> {
+    let meant: Vec<&BlockLayout> = match name {
+        Some(name) => shader.blocks.iter().filter(|block| is_named(block, name)).collect(),
+        None => shader.blocks.iter().filter(|block| block.size.is_some()).collect(),
+    };
+    match (meant.as_slice(), name) {
+        ([block], _) if block.size.is_some() => Ok(block),
+        ([], Some(_)) => Err(no_block(shader, name)),
+        ([], None) if shader.blocks.is_empty() => Err(no_block(shader, name)),
+        ([] | [_], _) => {
+            let message = format!("no block of `{}` has bytes", shader.path);
+            let help = "loose uniforms are set one by one; `--gather` lays them out as a block";
+            Err(finding(&shader.path, "no-bytes", message, Some(help.to_string())))
+        }
+        (blocks, Some(name)) => {
+            let message =
+                format!("{} blocks of `{}` are named `{name}`", blocks.len(), shader.path);
+            let instances = blocks.iter().filter_map(|block| block.instance.as_deref());
+            let help = format!("name one by its instance: {}", names(instances));
+            Err(finding(&shader.path, "ambiguous-block", message, Some(help)))
+        }
+        (blocks, None) => {
+            let message = format!("`{}` has {} blocks", shader.path, blocks.len());
+            let all = names(blocks.iter().map(|block| own_name(block)));
+            let help = format!("say which with `--block`: {all}");
+            Err(finding(&shader.path, "which-block", message, Some(help)))
+        }
+    }
+}
+
+/// No block at all, or none of that name.
+pub fn no_block(shader: &ShaderLayout, name: Option<&str>) -> Diagnostic {
+    let all = names(shader.blocks.iter().map(own_name));
+    let help = (!shader.blocks.is_empty()).then(|| format!("there is {all}"));
+    let path = &shader.path;
+    let (code, message) = match name {
+        Some(name) => ("unknown-block", format!("no block named `{name}` in `{path}`")),
+        None => ("no-blocks", format!("no blocks and no loose uniforms in `{path}`")),
+    };
+    finding(path, code, message, help)
+}
+
+/// The block's name, or its instance's where it has none.
+fn own_name(block: &BlockLayout) -> &str {
+    match &*block.name {
+        "" => block.instance.as_deref().unwrap_or_default(),
+        name => name,
+    }
+}
+
+/// `` `A`, `B` ``, the first few.
+fn names<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    let mut quoted: Vec<String> = names.take(NAMES + 1).map(|name| format!("`{name}`")).collect();
+    if quoted.len() > NAMES {
+        quoted[NAMES] = "…".to_string();
+    }
+    quoted.join(", ")
+}
+
+/// An error about what was asked of a file.
+pub fn finding(
+    path: &str,
+    code: &'static str,
+    message: String,
+    help: Option<String>,
+) -> Diagnostic {
+    Diagnostic {
+        code,
+        severity: Severity::Error,
+        message,
+        path: Some(path.to_string()),
+        labels: vec![],
+        notes: vec![],
+        help,
+    }
+}

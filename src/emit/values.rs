@@ -1,0 +1,159 @@
+//! The values in a block's bytes: a row for each element of each leaf, or JSON.
+//!
+//! Reads [`Decoded`]; written out piece by piece, as a storage buffer may hold millions.
+
+use std::io::{self, Write};
+
+use unicode_width::UnicodeWidthStr;
+
+use super::json::write_lines;
+use super::paint::{CAUTION, FAINT, Paint, TYPE};
+use super::table::heading;
+use super::words;
+use crate::buffer::{Datum, Decoded, Element, Finding};
+use crate::shape::ArrayLen;
+use crate::source::Language;
+
+/// What stands for padding where a path would.
+const PADDING: &str = "-- padding";
+
+/// Bytes of padding that are shown.
+const MOST_BYTES: usize = 16;
+
+/// The values as JSON that [`encode`](crate::buffer::encode()) takes back; each structure of an
+/// array on a line of its own.
+///
+/// # Errors
+/// Those of the writer.
+pub fn json(decoded: &Decoded<'_>, out: &mut dyn Write) -> io::Result<()> {
+    write_lines(decoded, 0, out)?;
+    out.write_all(b"\n")
+}
+
+/// The values as a table in the order of the shader, padding that is not zero among them.
+///
+/// # Errors
+/// Those of the writer.
+pub fn table(
+    decoded: &Decoded<'_>,
+    language: Language,
+    paint: Paint,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let mut table = Table { widths: ["offset", "type", "path"].map(str::len), paint, out };
+    let mut padding = decoded.findings.list.iter().filter_map(hole).peekable();
+    if padding.peek().is_some() {
+        table.widths[2] = PADDING.len();
+    }
+    decoded.for_each(|element| {
+        let widths = [digits(element.offset), element.ty.width(), element.path.width()];
+        for (width, new) in table.widths.iter_mut().zip(widths) {
+            *width = new.max(*width);
+        }
+    });
+    table.out.write_all(heading(decoded.block(), language, paint).as_bytes())?;
+    table.titles()?;
+    decoded.try_for_each(|element| {
+        while let Some((offset, bytes)) = padding.next_if(|hole| hole.0 < element.offset) {
+            table.padding(offset, bytes)?;
+        }
+        table.element(&element)
+    })?;
+    padding.try_for_each(|(offset, bytes)| table.padding(offset, bytes))?;
+    if let Some(length) = length(decoded) {
+        writeln!(table.out, "  {}", paint.text(FAINT, &length))?;
+    }
+    Ok(())
+}
+
+/// Where padding that is not zero starts, and its bytes.
+fn hole(finding: &Finding) -> Option<(u64, &[u8])> {
+    match finding {
+        Finding::Padding { offset, bytes, .. } => Some((*offset, bytes)),
+        Finding::Nan { .. } | Finding::Infinite { .. } | Finding::OddBool { .. } => None,
+    }
+}
+
+/// How many elements the bytes hold, where the shader does not say.
+fn length(decoded: &Decoded<'_>) -> Option<String> {
+    let member = decoded.block().members.last()?;
+    let text = match member.dims.first()? {
+        ArrayLen::Fixed(_) => return None,
+        ArrayLen::Runtime | ArrayLen::Override(_) => format!(
+            "{} hold {} of `{}`",
+            words::bytes(decoded.len() as u64),
+            decoded.tail_len(),
+            member.name
+        ),
+    };
+    Some(text)
+}
+
+/// Places of a number in decimal.
+fn digits(number: u64) -> usize {
+    number.checked_ilog10().unwrap_or(0) as usize + 1
+}
+
+struct Table<'o> {
+    /// Of all columns but the last.
+    widths: [usize; 3],
+    paint: Paint,
+    out: &'o mut dyn Write,
+}
+
+impl Table<'_> {
+    fn titles(&mut self) -> io::Result<()> {
+        let [offset, ty, path] = self.widths;
+        let titles = format!("  {:>offset$}  {:ty$}  {:path$}  value", "offset", "type", "path");
+        writeln!(self.out, "{}", self.paint.text(FAINT, &titles))
+    }
+
+    fn element(&mut self, element: &Element<'_>) -> io::Result<()> {
+        let [offset, ty, path] = self.widths;
+        let fill = |text: &str, width: usize| " ".repeat(width - text.width());
+        let (ty_fill, path_fill) = (fill(element.ty, ty), fill(element.path, path));
+        let ty = self.paint.text(TYPE, element.ty);
+        write!(self.out, "  {:>offset$}  {ty}{ty_fill}  ", element.offset)?;
+        write!(self.out, "{}{path_fill} ", element.path)?;
+        for (i, cell) in element.cells.iter().enumerate() {
+            // Columns of a matrix stand apart.
+            let bar = if i > 0 && i % element.rows == 0 { " |" } else { "" };
+            write!(self.out, "{bar} {cell}")?;
+        }
+        self.flag(&odd(element))?;
+        self.out.write_all(b"\n")
+    }
+
+    fn padding(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
+        let [offset_width, ty, path] = self.widths;
+        let mut hex: Vec<String> =
+            bytes.iter().take(MOST_BYTES).map(|byte| format!("{byte:02x}")).collect();
+        if bytes.len() > MOST_BYTES {
+            hex.push(format!("… ({})", words::bytes(bytes.len() as u64)));
+        }
+        let row =
+            format!("  {offset:>offset_width$}  {:ty$}  {PADDING:path$}  {}", "", hex.join(" "));
+        write!(self.out, "{}", self.paint.text(FAINT, &row))?;
+        self.flag("not zero")?;
+        self.out.write_all(b"\n")
+    }
+
+    fn flag(&mut self, words: &str) -> io::Result<()> {
+        if words.is_empty() {
+            return Ok(());
+        }
+        write!(self.out, "  {}", self.paint.text(CAUTION, &format!("<- {words}")))
+    }
+}
+
+/// What looks wrong with an element's components; empty when nothing does.
+fn odd(element: &Element<'_>) -> String {
+    let any = |is: fn(Datum) -> bool| element.cells.iter().any(|cell| is(*cell));
+    let kinds = [
+        (any(Datum::is_nan), "not a number"),
+        (any(Datum::is_infinite), "infinite"),
+        (any(Datum::is_odd_bool), "neither 0 nor 1"),
+    ];
+    let words: Vec<&str> = kinds.iter().filter(|(is, _)| *is).map(|(_, words)| *words).collect();
+    words.join(", ")
+}
