@@ -9,7 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Results that may wait for their turn, for each thread.
-const WAITING: usize = 64;
+const WAITING: usize = 512;
 
 /// Items a thread takes on at a time, at most.
 const LARGEST_CLAIM: usize = 16;
@@ -50,7 +50,7 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
             taken: 0,
             done: BTreeMap::new(),
             bytes: 0,
-            working: threads,
+            working: threads - 1,
             stop: false,
         }),
         ready: Condvar::new(),
@@ -58,20 +58,11 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
         window: threads * WAITING,
     };
     thread::scope(|scope| {
-        for _ in 0..threads {
+        for _ in 1..threads {
             scope.spawn(|| queue.work(&job));
         }
-        loop {
-            let results = queue.results();
-            if results.is_empty() {
-                return Ok(());
-            }
-            if let Err(failure) = results.into_iter().try_for_each(&mut take) {
-                queue.lock().stop = true;
-                queue.room.notify_all();
-                return Err(failure);
-            }
-        }
+        let _stop = StopAtEnd(&queue);
+        queue.work_and_take(&job, &mut take)
     })
 }
 
@@ -99,46 +90,98 @@ struct State<O> {
     stop: bool,
 }
 
-impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
+/// Tells the others that a thread works no more, also when a job panics.
+struct LeaveAtEnd<'a, T, O>(&'a Queue<T, O>);
+
+impl<T, O> Drop for LeaveAtEnd<'_, T, O> {
+    fn drop(&mut self) {
+        self.0.lock().working -= 1;
+        self.0.ready.notify_one();
+    }
+}
+
+/// Sends the other threads home when the one that hands results on is done or has failed.
+struct StopAtEnd<'a, T, O>(&'a Queue<T, O>);
+
+impl<T, O> Drop for StopAtEnd<'_, T, O> {
+    fn drop(&mut self) {
+        self.0.lock().stop = true;
+        self.0.room.notify_all();
+    }
+}
+
+impl<T, O> Queue<T, O> {
     fn lock(&self) -> MutexGuard<'_, State<O>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
 
+impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
     /// Works until no item is left.
     fn work(&self, job: &(impl Fn(I) -> O + Sync)) {
+        let _leave = LeaveAtEnd(self);
         let mut kept: Vec<(usize, O)> = Vec::new();
-        let mut since = Instant::now();
-        while self.wait_for_room(&mut kept) {
-            let claim = self.claim();
-            if claim.is_empty() {
-                break;
+        while self.wait_for_room(&mut kept) && self.work_on_claim(job, &mut kept) {}
+        self.bring(&mut self.lock(), &mut kept);
+    }
+
+    /// Works like the other threads, and between claims hands on the results whose turn it is.
+    fn work_and_take<E>(
+        &self,
+        job: &(impl Fn(I) -> O + Sync),
+        take: &mut impl FnMut(O) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut kept: Vec<(usize, O)> = Vec::new();
+        let mut items_left = true;
+        loop {
+            let mut state = self.lock();
+            self.bring(&mut state, &mut kept);
+            while state.done.first_key_value().is_none_or(|(number, _)| *number != state.taken) {
+                if items_left && !self.is_full(&state) {
+                    break;
+                }
+                if state.working == 0 && !items_left {
+                    return Ok(());
+                }
+                state = self.ready.wait(state).unwrap_or_else(PoisonError::into_inner);
             }
-            for (number, item) in claim {
-                if kept.is_empty() {
-                    since = Instant::now();
-                }
-                kept.push((number, job(item)));
-                if since.elapsed() >= PATIENCE {
-                    self.bring(&mut self.lock(), &mut kept);
-                }
+            let results = Self::results(&mut state);
+            drop(state);
+            if !results.is_empty() {
+                self.room.notify_all();
+                results.into_iter().try_for_each(&mut *take)?;
+            }
+            items_left = items_left && self.work_on_claim(job, &mut kept);
+        }
+    }
+
+    /// Takes on some items and works on them; `false` when there are none left.
+    fn work_on_claim(&self, job: &(impl Fn(I) -> O + Sync), kept: &mut Vec<(usize, O)>) -> bool {
+        let claim = self.claim();
+        let some = !claim.is_empty();
+        let mut since = Instant::now();
+        for (number, item) in claim {
+            kept.push((number, job(item)));
+            if since.elapsed() >= PATIENCE {
+                self.bring(&mut self.lock(), kept);
+                since = Instant::now();
             }
         }
-        let mut state = self.lock();
-        self.bring(&mut state, &mut kept);
-        state.working -= 1;
-        self.ready.notify_one();
+        some
+    }
+
+    /// Whether work is as far ahead as it may run.
+    fn is_full(&self, state: &State<O>) -> bool {
+        let ahead = self.claimed.load(Ordering::Relaxed) - state.taken;
+        !state.stop && (ahead >= self.window || state.bytes >= WAITING_BYTES)
     }
 
     /// Waits until work may run further ahead; `false` when there is to be no more.
     fn wait_for_room(&self, kept: &mut Vec<(usize, O)>) -> bool {
         let mut state = self.lock();
-        let full = |s: &State<O>| {
-            let ahead = self.claimed.load(Ordering::Relaxed) - s.taken;
-            !s.stop && (ahead >= self.window || s.bytes >= WAITING_BYTES)
-        };
-        if full(&state) {
+        if self.is_full(&state) {
             self.bring(&mut state, kept);
-            while full(&state) {
+            while self.is_full(&state) {
                 state = self.room.wait(state).unwrap_or_else(PoisonError::into_inner);
             }
         }
@@ -167,25 +210,15 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
         }
     }
 
-    /// The next results in order, as many as there are; none after the last.
-    fn results(&self) -> Vec<O> {
-        let mut state = self.lock();
-        loop {
-            let mut results = Vec::new();
-            loop {
-                let turn = state.taken;
-                let Some(result) = state.done.remove(&turn) else { break };
-                state.taken += 1;
-                state.bytes -= result.bytes();
-                results.push(result);
-            }
-            if !results.is_empty() || state.working == 0 {
-                drop(state);
-                self.room.notify_all();
-                return results;
-            }
-            state = self.ready.wait(state).unwrap_or_else(PoisonError::into_inner);
+    /// The results whose turn it is.
+    fn results(state: &mut State<O>) -> Vec<O> {
+        let mut results = Vec::new();
+        while let Some(result) = state.done.remove(&state.taken) {
+            state.taken += 1;
+            state.bytes -= result.bytes();
+            results.push(result);
         }
+        results
     }
 }
 
@@ -233,7 +266,8 @@ mod tests {
             |_| {
                 let ahead =
                     started.fetch_add(1, Ordering::SeqCst) + 1 - taken.load(Ordering::SeqCst);
-                assert!(ahead <= 2 * 2 * WAITING + 2, "{ahead}");
+                // One window of work, one being handed on, and what the threads took on meanwhile.
+                assert!(ahead <= 2 * (2 * WAITING) + 4 * LARGEST_CLAIM, "{ahead}");
                 ((),)
             },
             |((),)| {
@@ -242,6 +276,17 @@ mod tests {
             },
         );
         assert!(done.is_ok());
+    }
+
+    #[test]
+    fn a_job_that_panics_ends_the_run() {
+        for panicking in [0, 500, 999] {
+            let run = || {
+                let job = |i| if i == panicking { panic!("as planned") } else { (i,) };
+                ordered(0..1000, threads(2), job, |_| Ok::<(), ()>(()))
+            };
+            assert!(std::panic::catch_unwind(run).is_err());
+        }
     }
 
     #[test]

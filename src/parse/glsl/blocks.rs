@@ -95,6 +95,8 @@ impl<'a> Reader<'a> {
             AddressSpace::PushConstant | AddressSpace::ShaderRecord => own.rules,
         };
         let (rules, rules_declared) = self.rules(written, space);
+        // Without explicit offsets their order is no question, and the text is not searched for it.
+        let explicit = read.members.iter().any(|member| member.offset.is_some());
         self.blocks.push(Block {
             name: name.text.into(),
             instance,
@@ -107,7 +109,7 @@ impl<'a> Reader<'a> {
             majorness: own.majorness.or(defaults.majorness).unwrap_or(Majorness::Column),
             members: read.members,
             opaque: read.opaque,
-            offset_order: match self.preprocessor.target {
+            offset_order: match explicit.then(|| self.preprocessor.target()).flatten() {
                 Some(Target::Vulkan) => OffsetOrder::Any,
                 Some(Target::OpenGl) => OffsetOrder::Ascending,
                 None => OffsetOrder::Untold,
@@ -151,7 +153,7 @@ impl<'a> Reader<'a> {
                     | AddressSpace::ShaderRecord => true,
                     AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::Default => false,
                 };
-                (fallback, vulkan_only || self.preprocessor.target == Some(Target::Vulkan))
+                (fallback, vulkan_only || self.preprocessor.target() == Some(Target::Vulkan))
             }
         }
     }

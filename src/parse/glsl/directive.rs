@@ -66,7 +66,7 @@ impl<'a> Preprocessor<'a> {
             "GL_core_profile" => !es && number >= 150 && profile == Profile::Core,
             "GL_compatibility_profile" => !es && profile == Profile::Compatibility,
             // GL_KHR_vulkan_glsl: `#define VULKAN 100`.
-            "VULKAN" if self.target == Some(Target::Vulkan) => return Some("100"),
+            "VULKAN" if self.target() == Some(Target::Vulkan) => return Some("100"),
             _ => false,
         };
         there.then_some("1")

@@ -3,6 +3,7 @@
 //! Hands [`declarations`](super::declarations) one stream of tokens, each with
 //! its place in the user's text. Bodies of functions are passed over as text.
 
+use std::cell::OnceCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -43,8 +44,9 @@ pub struct Preprocessor<'a> {
     pub(super) comments: Vec<Span>,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) version: Version,
-    /// The API the text is for; `None` when neither the text nor the caller says.
-    pub(super) target: Option<Target>,
+    /// The shader's own text, which tells the API it is for when somebody asks.
+    text: &'a str,
+    target: OnceCell<Option<Target>>,
     pub(super) extensions: Vec<&'a str>,
     /// The directives obeyed so far: the `#` of each.
     pub(super) obeyed: Vec<Span>,
@@ -98,7 +100,6 @@ impl<'a> Preprocessor<'a> {
         text: &Arc<str>,
         texts: &'a Texts,
         options: &'a ReadOptions,
-        target: Option<Target>,
     ) -> Preprocessor<'a> {
         let mut files = Files::default();
         let file = files.add(path, text.clone());
@@ -116,7 +117,8 @@ impl<'a> Preprocessor<'a> {
             comments: Vec::new(),
             diagnostics: Vec::new(),
             version: Version { number: 110, es: false, profile: Profile::Core },
-            target,
+            text,
+            target: OnceCell::new(),
             extensions: Vec::new(),
             obeyed: Vec::new(),
             bodies: Vec::new(),
@@ -129,6 +131,12 @@ impl<'a> Preprocessor<'a> {
         };
         preprocessor.define_given();
         preprocessor
+    }
+
+    /// The API the text is for; `None` when neither the text nor the caller says.
+    pub fn target(&self) -> Option<Target> {
+        let given = self.options.target;
+        *self.target.get_or_init(|| given.or_else(|| super::target::target_of(self.text)))
     }
 
     /// A text that lives as long as the tokens.

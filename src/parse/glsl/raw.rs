@@ -5,7 +5,6 @@ use rustc_hash::FxHashSet;
 
 use super::lexer::{Kind, Lexer};
 use super::preprocess::{Preprocessor, Texts};
-use super::target_of;
 use crate::source::{Files, ReadOptions, Source, Target};
 
 /// A token of the text.
@@ -37,8 +36,7 @@ pub(crate) struct RawText {
 /// Reads the tokens of a shader's own file.
 pub(crate) fn read(source: &Source, options: &ReadOptions) -> RawText {
     let texts = Texts::new();
-    let target = options.target.or_else(|| target_of(&source.text));
-    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options, target);
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
     let mut seen = FxHashSet::default();
     loop {
         let token = preprocessor.next();
@@ -56,7 +54,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> RawText {
         tokens,
         version: preprocessor.version.number,
         es: preprocessor.version.es,
-        target,
+        target: preprocessor.target(),
         files: preprocessor.files,
     }
 }
