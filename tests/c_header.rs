@@ -154,6 +154,28 @@ fn awkward_blocks_are_filled_where_glslang_reads_them() {
     }
 }
 
+/// Every block of every shader of this repository, loose uniforms gathered: the assertions in the
+/// headers hold sizes and offsets when they compile.
+#[test]
+fn the_shaders_of_this_repository_have_headers_that_compile() {
+    let directory = directory("shaders");
+    let options = Options { gather: true, ..Options::default() };
+    let mut program = String::new();
+    for (at, path) in support::files::shaders().iter().enumerate() {
+        let shader = landfall::layout(&Source::read(path).expect("a readable shader"), &options);
+        let (file, prefix) = (format!("shader{at}.h"), format!("s{at}_"));
+        let output = c(&[&shader], &COptions { file: file.clone(), prefix });
+        std::fs::write(directory.join(&file), output.text).expect("the directory can be written");
+        program.push_str(&format!("#include \"{file}\"\n"));
+    }
+    program.push_str("int main(void) { return 0; }\n");
+    std::fs::write(directory.join("all.c"), program).expect("the directory can be written");
+    for compiler in [Compiler::C11, Compiler::Cpp17] {
+        let done = compile(compiler, &directory, "all.c");
+        assert!(done.is_ok(), "{}", done.unwrap_err());
+    }
+}
+
 /// The example: an engine in C++ that had a table of offsets written by hand.
 #[test]
 fn an_engine_sets_members_by_name() {

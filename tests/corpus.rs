@@ -6,29 +6,15 @@
 mod support;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+#[cfg(feature = "cli")]
+use std::path::PathBuf;
 
-use landfall::{ArrayLen, Options, Rules, ShaderLayout, Source, layout, source};
+use landfall::{ArrayLen, Options, Rules, ShaderLayout, Source, layout};
 use support::driver::{Api, Driver, Stage};
+use support::files::shaders;
 use support::glslang;
 use support::leaf::{Difference, OracleBlock, What, differences};
-
-fn shaders() -> Vec<PathBuf> {
-    fn walk(dir: &Path, found: &mut Vec<PathBuf>) {
-        for entry in fs::read_dir(dir).expect("the tests run in the repository") {
-            let path = entry.expect("a readable directory").path();
-            if path.is_dir() {
-                walk(&path, found);
-            } else if source::kind_of_path(&path).is_some() {
-                found.push(path);
-            }
-        }
-    }
-    let mut found = Vec::new();
-    walk(Path::new("shaders"), &mut found);
-    found.sort();
-    found
-}
 
 fn read(path: &Path, options: &Options) -> ShaderLayout {
     layout(&Source::read(path).expect("a readable shader"), options)

@@ -208,6 +208,27 @@ fn the_output_has_no_warning_in_any_edition_and_nothing_to_format() {
     }
 }
 
+/// Every block of every shader of this repository, loose uniforms gathered, in one file; the
+/// assertions in it hold sizes and offsets when it compiles.
+#[test]
+fn the_shaders_of_this_repository_have_mirrors_that_compile() {
+    let options = Options { gather: true, ..Options::default() };
+    let shaders: Vec<ShaderLayout> = support::files::shaders()
+        .iter()
+        .map(|path| layout(&Source::read(path).expect("a readable shader"), &options))
+        .collect();
+    let all: Vec<&ShaderLayout> = shaders.iter().collect();
+    for (way, options) in ways() {
+        let output = rust(&all, &options);
+        let path = root(&scratch(&format!("shaders-{way}")), "library", "//! All.", &[output.text]);
+        let out = check("rustc", crates(Math::Simd), &path, "2024", Target::Library);
+        assert!(out.status.success(), "{way}: {}", shown(&out.stderr));
+        // Only what is sized by a constant without a value has no mirror.
+        let missing: Vec<_> = output.diagnostics.iter().map(|d| &d.message).collect();
+        assert!(missing.iter().all(|m| m.contains("which has no value")), "{missing:?}");
+    }
+}
+
 #[test]
 fn mirrors_hold_when_glam_has_no_simd() {
     let shaders = corpus();

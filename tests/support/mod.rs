@@ -14,6 +14,7 @@
 pub mod blocks;
 pub mod c;
 pub mod driver;
+pub mod files;
 pub mod fold;
 pub mod generate;
 pub mod gl_types;

@@ -81,7 +81,7 @@ impl<'a> Plan<'a> {
         let tail = last.map(|tail| self.tail(tail, whole, layout));
         let name = camel(&layout.name);
         let mirror = Mirror {
-            name: if tail.is_some() { format!("{name}Header") } else { name },
+            name: if tail.is_some() { camel(&format!("{}_header", layout.name)) } else { name },
             fields,
             size: end,
             tail,
@@ -135,7 +135,7 @@ impl<'a> Plan<'a> {
         let element = member_type(self, member, 1, &place);
         RuntimeTail {
             member: member.name.to_string(),
-            name: format!("{}Element", camel(&block.name)),
+            name: camel(&format!("{}_element", block.name)),
             element: padded(self, element, stride).ty,
             stride,
             least: whole,
