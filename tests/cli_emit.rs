@@ -59,6 +59,23 @@ fn mirrors_go_to_stdout_or_whole_into_a_file() {
 }
 
 #[test]
+fn the_mirrors_of_the_bench_are_not_stale() {
+    let run = landfall(&[
+        "emit",
+        "tests/benches/lights.frag",
+        "--lang",
+        "rust",
+        "--vectors",
+        "array",
+        "--no-tables",
+        "--out",
+        "tests/benches/lights.rs",
+        "--check",
+    ]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+}
+
+#[test]
 fn a_stale_file_is_found_and_left_alone() {
     let dir = Scratch::new("stale");
     let shader = dir.write("light.frag", BLOCK);

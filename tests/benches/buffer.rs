@@ -21,6 +21,11 @@ const LIGHTS: &str = "
         int actually_used_count;
     } u_point_light_array;
 ";
+/// What `landfall emit` makes of `lights.frag`; a test holds it to that.
+mod gpu {
+    include!("lights.rs");
+}
+
 const SIZE: usize = 6160;
 const ROUNDS: usize = 1001;
 
@@ -137,6 +142,49 @@ fn main() {
         at[..6144].copy_from_slice(from);
     };
     slower("128 mirrors at once : memcpy", 1, &mut buffer, &mut plain, &mut slice, &mut memcpy);
+
+    let lights: Vec<gpu::PointLight> = bytemuck::cast_slice(&mirrors).to_vec();
+    let mut block: Box<gpu::PointLightBlock> = Box::default();
+    let mut copied = |_: &mut Buffer| {
+        black_box(&mut *block).data.copy_from_slice(black_box(&lights[..]));
+    };
+    slower(
+        "128 lights copied to a mirror : memcpy",
+        1,
+        &mut buffer,
+        &mut plain,
+        &mut copied,
+        &mut memcpy,
+    );
+    let mut assigned = |_: &mut Buffer| {
+        let block = black_box(&mut *block);
+        for (to, from) in block.data.iter_mut().zip(black_box(&lights[..])) {
+            *to = *from;
+        }
+    };
+    slower(
+        "128 lights one by one to a mirror : memcpy",
+        1,
+        &mut buffer,
+        &mut plain,
+        &mut assigned,
+        &mut memcpy,
+    );
+    let mut built = |_: &mut Buffer| {
+        let block = black_box(&mut *block);
+        for (to, l) in block.data.iter_mut().zip(black_box(&lights[..])) {
+            let (pos, color) = (l.pos, l.color);
+            *to = gpu::PointLight::new(pos, color, l.intensity, l.constant, l.linear, l.quadratic);
+        }
+    };
+    slower(
+        "128 lights built with new : memcpy",
+        1,
+        &mut buffer,
+        &mut plain,
+        &mut built,
+        &mut memcpy,
+    );
 
     buffer.clear_dirty();
     buffer.set("data[3].pos", [1f32; 3]).expect("a vec3");
