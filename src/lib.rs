@@ -87,7 +87,8 @@ pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
             Err(mut found) => diagnostics.append(&mut found),
         }
     }
-    if options.naga {
+    // naga is not asked about a text that is refused here: it panics on some of those.
+    if options.naga && !diagnostics.iter().any(|d| d.severity == Severity::Error) {
         parse::naga::ask(source, &parsed.bodies, &mut blocks);
     }
     ShaderLayout {

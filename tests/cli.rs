@@ -381,3 +381,22 @@ fn wrong_usage_is_2_and_help_is_0() {
         assert!(ran.out.lines().all(|line| line.chars().count() <= 100), "{}", ran.out);
     }
 }
+
+/// naga recurses on such texts until the stack is gone; it is not asked about them.
+#[test]
+fn texts_that_exhaust_nagas_stack_are_laid_out_without_its_answer() {
+    let block = "layout(std140, set = 0, binding = 0) uniform B { float a[4]; };\nvoid main() {}\n";
+    for chain in ["1+".repeat(50_000), "true?1:".repeat(20_000), "- ".repeat(20_000)] {
+        let text = format!("#version 450\nconst int N = {chain}1;\n{block}");
+        let path = std::env::temp_dir().join(format!("landfall-chain-{}.frag", std::process::id()));
+        std::fs::write(&path, text).expect("a file for the test");
+        let run = std::process::Command::new(env!("CARGO_BIN_EXE_landfall"))
+            .args(["layout", "--format", "json"])
+            .arg(&path)
+            .output()
+            .expect("the command runs");
+        std::fs::remove_file(&path).expect("the test's own file");
+        assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+        assert!(String::from_utf8_lossy(&run.stdout).contains("\"path\":\"a[]\""));
+    }
+}

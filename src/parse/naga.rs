@@ -16,6 +16,12 @@ use crate::source::{Language, Source, Span, Stage};
 /// naga recurses on nested brackets without a bound of its own; deeper text is not handed to it.
 const DEEPEST_BRACKETS: u32 = 64;
 
+/// The same for operators whose operands nest: `1 + 1 + 1 + …`, `a ? b : c ? …`.
+const LONGEST_CHAIN: u32 = 200;
+
+/// The same for declarations that may hang on each other.
+const MOST_STATEMENTS: usize = 4_000;
+
 /// Longer text is not handed to naga.
 const LONGEST_TEXT: usize = 1 << 20;
 
@@ -96,7 +102,11 @@ fn glsl_module(text: &str, stage: Option<Stage>) -> Option<Module> {
 
 /// Runs a front end on text it can be trusted with; a panic in it counts as no answer.
 fn guarded(text: &str, parse: impl FnOnce() -> Option<Module>) -> Option<Module> {
-    if text.len() > LONGEST_TEXT || nesting(text) > DEEPEST_BRACKETS {
+    let bounded = text.len() <= LONGEST_TEXT
+        && nesting(text) <= DEEPEST_BRACKETS
+        && longest_chain(text) <= LONGEST_CHAIN
+        && text.bytes().filter(|&byte| byte == b';').count() <= MOST_STATEMENTS;
+    if !bounded {
         return None;
     }
     // naga 30.0.1 panics on GLSL's `float a[1000000000][8]`.
@@ -119,6 +129,25 @@ fn nesting(text: &str) -> u32 {
         deepest = deepest.max(open).max(prefixes);
     }
     deepest
+}
+
+/// Operators in a row at most, no comma or semicolon between: naga recurses on their operands.
+fn longest_chain(text: &str) -> u32 {
+    let (mut chain, mut longest) = (0u32, 0u32);
+    for line in text.lines() {
+        // Banners in comments are no operators.
+        let code = line.split("//").next().unwrap_or(line);
+        for byte in code.bytes() {
+            match byte {
+                b',' | b';' | b'{' | b'}' => chain = 0,
+                b'+' | b'-' | b'*' | b'/' | b'%' | b'?' | b'&' | b'|' | b'^' | b'=' | b'<'
+                | b'>' => chain += 1,
+                _ => {}
+            }
+            longest = longest.max(chain);
+        }
+    }
+    longest
 }
 
 /// The variable of a block: by its own name, by its type's, or by where it is bound.
