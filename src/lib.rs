@@ -9,6 +9,7 @@ pub mod file;
 pub mod layout;
 pub mod parse;
 pub mod port;
+pub mod run;
 pub mod shape;
 pub mod source;
 

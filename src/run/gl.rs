@@ -1,0 +1,1 @@
+//! An OpenGL driver without a window.

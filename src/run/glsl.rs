@@ -1,0 +1,1 @@
+//! GLSL of any version, bodies included, as naga IR with our offsets.

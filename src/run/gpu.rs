@@ -1,0 +1,1 @@
+//! wgpu: Vulkan, Metal, DX12, fed the module itself.
