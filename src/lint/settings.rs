@@ -87,7 +87,7 @@ pub struct Table {
     /// A glob of the shaders it is in; empty for all.
     pub file: String,
     /// Bytes a buffer is made with.
-    pub size: Option<Sized>,
+    pub size: Option<Figure>,
     /// Offsets by path.
     pub offsets: Vec<Row>,
     /// Where the configuration says so.
@@ -96,7 +96,7 @@ pub struct Table {
 
 /// A number of bytes somebody wrote down.
 #[derive(Clone, Debug, Default)]
-pub struct Sized {
+pub struct Figure {
     /// Its value.
     pub bytes: u64,
     /// As it is written: `48 * 128 + 4`.
@@ -111,7 +111,7 @@ pub struct Row {
     /// `data[3].color`.
     pub path: String,
     /// Bytes from the start of the block.
-    pub offset: Sized,
+    pub offset: Figure,
 }
 
 /// A hand-written mirror.
