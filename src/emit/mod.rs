@@ -19,6 +19,7 @@ mod place;
 pub mod rust;
 mod table;
 pub mod values;
+pub mod verify;
 mod words;
 
 pub use expand::MOST_OFFSETS;

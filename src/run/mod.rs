@@ -11,6 +11,8 @@ mod glsl;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod module;
+pub mod probe;
 pub mod reader;
+pub mod verify;
 
 pub use module::Module;

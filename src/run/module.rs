@@ -32,5 +32,13 @@ pub struct ModuleBlock {
     pub group: u32,
     /// Its binding in the module; given out where the text has none.
     pub binding: u32,
+    /// Which buffer it is, of an array of blocks.
+    pub element: Vec<u32>,
     pub(crate) variable: Handle<GlobalVariable>,
+}
+
+impl Module {
+    pub fn new(_source: &Source, _options: &Options) -> Result<Module, Vec<Diagnostic>> { todo!() }
+    pub fn by_naga(_source: &Source, _options: &Options) -> Result<Module, Vec<Diagnostic>> { todo!() }
+    pub fn blocks(&self) -> &[ModuleBlock] { &self.blocks }
 }
