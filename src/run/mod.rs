@@ -4,12 +4,15 @@
 //! are ours. [`reader`] says what it is to run one: a job in, words out. The
 //! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`.
 
+pub mod devices;
 pub mod eval;
 #[cfg(feature = "gl")]
 pub mod gl;
 mod glsl;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+#[cfg(any(feature = "gl", feature = "gpu"))]
+mod limits;
 pub mod module;
 pub mod probe;
 pub mod reader;

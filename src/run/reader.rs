@@ -3,6 +3,7 @@
 //! The evaluator ([`eval`](super::eval)) and the drivers (`gl`, `gpu`) are the
 //! readers; probes and the functions of a shader are the jobs.
 
+use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -158,6 +159,42 @@ pub enum FailureKind {
     /// It was not done within the limit, or the budget of steps.
     TimedOut,
 }
+
+impl Failure {
+    /// There is no such reader here.
+    pub fn missing(message: impl Into<String>, log: impl Into<String>) -> Failure {
+        Failure { kind: FailureKind::Missing, message: message.into(), log: log.into() }
+    }
+
+    /// It does not take this shader.
+    pub fn refused(message: impl Into<String>, log: impl Into<String>) -> Failure {
+        Failure { kind: FailureKind::Refused, message: message.into(), log: log.into() }
+    }
+
+    /// It stopped while it ran.
+    pub fn died(message: impl Into<String>, log: impl Into<String>) -> Failure {
+        Failure { kind: FailureKind::Died, message: message.into(), log: log.into() }
+    }
+
+    /// It was not done in time.
+    pub fn timed_out(limit: Duration) -> Failure {
+        let message = format!("not done after {:.1} s, which is its limit", limit.as_secs_f64());
+        Failure { kind: FailureKind::TimedOut, message, log: String::new() }
+    }
+}
+
+impl fmt::Display for Failure {
+    /// The message, and below it what the driver said.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)?;
+        match self.log.trim_end() {
+            "" => Ok(()),
+            log => write!(f, "\n{log}"),
+        }
+    }
+}
+
+impl std::error::Error for Failure {}
 
 /// Something that runs jobs.
 pub trait Reader {

@@ -1,1 +1,0 @@
-//! An OpenGL driver without a window.

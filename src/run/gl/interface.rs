@@ -1,0 +1,104 @@
+//! Entry points glow lacks: the program interface queries (OpenGL 4.6 §7.3.1), which tell
+//! the members of storage blocks, and the switch that makes a program separable (§7.3).
+//!
+//! glow has no counts and no names of resources, and asks for values with room for none.
+
+#![allow(unsafe_code, reason = "entry points of a driver")]
+
+use std::ffi::{CStr, c_char, c_void};
+
+type GetProgramInterfaceiv = extern "system" fn(u32, u32, u32, *mut i32);
+type GetProgramResourceName = extern "system" fn(u32, u32, u32, i32, *mut i32, *mut c_char);
+type GetProgramResourceiv =
+    extern "system" fn(u32, u32, u32, i32, *const u32, i32, *mut i32, *mut i32);
+
+type ProgramParameteri = extern "system" fn(u32, u32, i32);
+
+/// `glProgramParameteri`, of OpenGL 4.1 and ES 3.1.
+pub(super) struct Separable(ProgramParameteri);
+
+impl Separable {
+    pub(super) fn load(load: impl Fn(&str) -> *const c_void) -> Option<Separable> {
+        let found = Some(load("glProgramParameteri")).filter(|f| !f.is_null())?;
+        // SAFETY: the signature is that of OpenGL 4.6 §7.3.
+        Some(Separable(unsafe { std::mem::transmute::<*const c_void, ProgramParameteri>(found) }))
+    }
+
+    /// Lets a program link with stages missing.
+    pub(super) fn make(&self, program: glow::Program) {
+        (self.0)(program.0.get(), glow::PROGRAM_SEPARABLE, 1);
+    }
+}
+
+pub(super) struct Interface {
+    interface: GetProgramInterfaceiv,
+    name: GetProgramResourceName,
+    values: GetProgramResourceiv,
+}
+
+impl Interface {
+    /// The three entry points; `None` where the driver lacks one.
+    pub(super) fn load(load: impl Fn(&str) -> *const c_void) -> Option<Interface> {
+        let find = |name: &str| Some(load(name)).filter(|f| !f.is_null());
+        let interface = find("glGetProgramInterfaceiv")?;
+        let name = find("glGetProgramResourceName")?;
+        let values = find("glGetProgramResourceiv")?;
+        // SAFETY: the signatures are those of OpenGL 4.6 §7.3.1.
+        unsafe {
+            Some(Interface {
+                interface: std::mem::transmute::<*const c_void, GetProgramInterfaceiv>(interface),
+                name: std::mem::transmute::<*const c_void, GetProgramResourceName>(name),
+                values: std::mem::transmute::<*const c_void, GetProgramResourceiv>(values),
+            })
+        }
+    }
+
+    /// How many resources of that interface are active.
+    pub(super) fn count(&self, program: glow::Program, interface: u32) -> u32 {
+        self.about(program, interface, glow::ACTIVE_RESOURCES)
+    }
+
+    /// The name of one.
+    pub(super) fn name(&self, program: glow::Program, interface: u32, index: u32) -> String {
+        let longest = self.about(program, interface, glow::MAX_NAME_LENGTH).clamp(1, 1 << 20);
+        let mut buffer: Vec<c_char> = vec![0; longest as usize + 1];
+        let (room, mut written) = (longest.cast_signed(), 0);
+        let program = program.0.get();
+        (self.name)(program, interface, index, room, &raw mut written, buffer.as_mut_ptr());
+        // SAFETY: the buffer ends in a zero the driver was not told of.
+        unsafe { CStr::from_ptr(buffer.as_ptr()) }.to_string_lossy().into_owned()
+    }
+
+    /// The properties of one, in the order asked; an error says how many came.
+    pub(super) fn values<const N: usize>(
+        &self,
+        program: glow::Program,
+        interface: u32,
+        index: u32,
+        asked: [u32; N],
+    ) -> Result<[i32; N], String> {
+        let room = i32::try_from(N).expect("a handful of properties");
+        let (mut values, mut written) = ([0; N], 0);
+        (self.values)(
+            program.0.get(),
+            interface,
+            index,
+            room,
+            asked.as_ptr(),
+            room,
+            &raw mut written,
+            values.as_mut_ptr(),
+        );
+        if written == room {
+            Ok(values)
+        } else {
+            Err(format!("{written} of {room} values of resource {index}"))
+        }
+    }
+
+    fn about(&self, program: glow::Program, interface: u32, what: u32) -> u32 {
+        let mut value = 0;
+        (self.interface)(program.0.get(), interface, what, &raw mut value);
+        u32::try_from(value).unwrap_or(0)
+    }
+}

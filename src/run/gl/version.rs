@@ -1,0 +1,83 @@
+//! Which OpenGL a text is written for, and the vertex shader that goes before a lone
+//! fragment shader. Looks at the `#version` line only.
+
+use super::context::ContextKind;
+
+/// What the `#version` line says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Version {
+    pub(super) number: u32,
+    pub(super) es: bool,
+    pub(super) compatibility: bool,
+}
+
+/// The first `#version` line of a text; GLSL 1.10 where there is none (GLSL 4.60 §3.3).
+pub(super) fn version(text: &str) -> Version {
+    let mut found = Version { number: 110, es: false, compatibility: false };
+    for line in text.lines().map(str::trim_start) {
+        let Some(rest) = line.strip_prefix('#').map(str::trim_start) else { continue };
+        let Some(rest) = rest.strip_prefix("version") else { continue };
+        let mut words = rest.split_whitespace();
+        if let Some(number) = words.next().and_then(|word| word.parse().ok()) {
+            found.number = number;
+        }
+        let profile = words.next().unwrap_or("");
+        found.es = profile == "es" || found.number == 100;
+        found.compatibility = profile == "compatibility";
+        break;
+    }
+    found
+}
+
+impl ContextKind {
+    /// The context a text wants, by its `#version` line.
+    pub fn of_text(text: &str) -> ContextKind {
+        let version = version(text);
+        if version.es {
+            ContextKind::Es
+        } else if version.compatibility || version.number < 140 {
+            ContextKind::Compat
+        } else {
+            ContextKind::Core
+        }
+    }
+}
+
+/// The input of [`passing_vertex`], at location 0.
+pub(super) const CORNER: &str = "landfall_corner";
+
+/// A vertex shader that puts each vertex where its input says; it links with a fragment
+/// shader of that version which reads no inputs.
+pub(super) fn passing_vertex(version: Version) -> String {
+    let Version { number, es, .. } = version;
+    // Versions of ES do not mix; the desktop's do, but core profiles begin at 1.40.
+    let (line, input) = match (es, number) {
+        (true, 100) => ("#version 100".to_string(), "attribute"),
+        (true, _) => (format!("#version {number} es"), "in"),
+        (false, ..140) => ("#version 110".to_string(), "attribute"),
+        (false, _) => ("#version 140".to_string(), "in"),
+    };
+    format!(
+        "{line}\n{input} vec2 {CORNER};\nvoid main() {{ gl_Position = vec4({CORNER}, 0.0, 1.0); }}\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_version_line_names_the_context() {
+        for (text, kind) in [
+            ("void main() {}", ContextKind::Compat),
+            ("#version 110\n", ContextKind::Compat),
+            ("// a comment first\n  #  version 330 core\n", ContextKind::Core),
+            ("#version 330 compatibility\n", ContextKind::Compat),
+            ("#version 450\n#version 100\n", ContextKind::Core),
+            ("#version 100\n", ContextKind::Es),
+            ("#version 310 es\n", ContextKind::Es),
+        ] {
+            assert_eq!(ContextKind::of_text(text), kind, "{text}");
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! An OpenGL driver runs jobs: known words come back through each kind of grid and of
+//! resource, and what it does not take is refused in words that help.
+//!
+//! Needs a driver (Debian packages `libegl1` and `libgl1-mesa-dri`); a missing one fails.
+
+#[path = "support/jobs.rs"]
+mod jobs;
+
+use jobs::{bound, bytes, counting, glsl, job, output, storage, uniform, words};
+use landfall::Stage;
+use landfall::run::gl::{ContextKind, Gl};
+use landfall::run::reader::{FailureKind, Grid, Job, Reader as _, ResourceKind, Texel};
+
+fn open() -> Gl {
+    Gl::open().unwrap_or_else(|failure| panic!("{failure}"))
+}
+
+const COPY: &str = "#version 430
+layout(local_size_x = 4) in;
+layout(std140) uniform Input { uvec4 a; float b; uint c[2]; } i;
+layout(std430) buffer Output { uint words[]; };
+void main() {
+  uint at = gl_GlobalInvocationID.x;
+  uint got[8] = uint[](i.a.x, i.a.y, i.a.z, i.a.w, floatBitsToUint(i.b), i.c[0], i.c[1], 7u);
+  words[at] += got[at];
+}";
+
+fn copy() -> Job {
+    let resources = vec![uniform("Input", 0, &counting(16)), storage("Output", 1, &[5; 8])];
+    job(vec![glsl(Stage::Compute, COPY)], resources, Grid::Groups([2, 1, 1]))
+}
+
+/// By the rules of std140: a at 0, b at 16, c at 32 with stride 16.
+const COPIED: [u32; 8] = [1005, 1006, 1007, 1008, 1009, 1013, 1017, 12];
+
+#[test]
+fn words_of_a_uniform_block_come_back_through_a_storage_block() {
+    let answer = open().run(&copy()).unwrap();
+    assert_eq!(answer.buffers[0], None, "a uniform block does not come back");
+    assert_eq!(words(answer.buffers[1].as_ref().unwrap()), COPIED);
+    assert!(answer.pixels.is_empty());
+}
+
+#[test]
+fn a_buffer_that_is_not_writable_does_not_come_back() {
+    let mut copy = copy();
+    copy.resources[1].kind = ResourceKind::Storage { bytes: bytes(&[5; 8]), writable: false };
+    assert_eq!(open().run(&copy).unwrap().buffers, [None, None]);
+}
+
+#[test]
+fn an_image_of_unsigned_integers_has_its_first_row_first() {
+    let text = "#version 330
+layout(std140) uniform B { uint base; } b;
+out uvec4 color;
+void main() { color = uvec4(gl_FragCoord.xy, b.base, 0xFFFFFFFFu); }";
+    let grid = Grid::Image { width: 3, height: 2, texel: Texel::Uint };
+    let resources = vec![uniform("B", 0, &[77, 0, 0, 0])];
+    let answer = open().run(&job(vec![glsl(Stage::Fragment, text)], resources, grid)).unwrap();
+    let expected: Vec<[u32; 4]> =
+        (0..2).flat_map(|y| (0..3).map(move |x| [x, y, 77, u32::MAX])).collect();
+    assert_eq!(answer.pixels, expected);
+}
+
+#[test]
+fn an_image_of_floats_is_neither_clamped_nor_rounded() {
+    let text = "#version 110
+uniform sampler2D tex;
+void main() { gl_FragColor = vec4(-2.5, 1e30, 0.1, 65537.0) + texture2D(tex, vec2(0.6, 0.1)); }";
+    let texels = vec![[9.0; 4], [0.0, 0.0, 0.0, 1.0]];
+    let texture = bound("tex", 0, ResourceKind::Texture { width: 2, height: 1, texels });
+    let grid = Grid::Image { width: 1, height: 1, texel: Texel::Float };
+    let answer = open().run(&job(vec![glsl(Stage::Fragment, text)], vec![texture], grid)).unwrap();
+    assert_eq!(answer.pixels, [[-2.5f32, 1e30, 0.1, 65538.0].map(f32::to_bits)]);
+}
+
+#[test]
+fn a_vertex_stage_may_come_with_the_fragment_stage() {
+    let vertex = "#version 330
+out vec2 place;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  place = corner * 8.0;
+  gl_Position = vec4(corner * 4.0 - 1.0, 0.0, 1.0);
+}";
+    let fragment = "#version 330\nin vec2 place; out vec4 color;
+void main() { color = vec4(place, 0.0, 1.0); }";
+    let stages = vec![glsl(Stage::Vertex, vertex), glsl(Stage::Fragment, fragment)];
+    let grid = Grid::Image { width: 4, height: 4, texel: Texel::Float };
+    let answer = open().run(&job(stages, Vec::new(), grid)).unwrap();
+    let place = |at: usize| [0, 1].map(|c| f32::from_bits(answer.pixels[at][c]));
+    assert_eq!(place(0), [0.5, 0.5]);
+    assert_eq!(place(7), [3.5, 1.5]);
+}
+
+#[test]
+fn point_i_lands_on_pixel_i() {
+    for (line, precision) in [("#version 330", ""), ("#version 300 es", "precision highp float;")] {
+        let vertex = format!(
+            "{line}
+layout(std140) uniform B {{ uint base; uint count; }};
+flat out uvec2 carried;
+void main() {{
+  carried = uvec2(base, gl_VertexID);
+  gl_Position = vec4((2.0 * float(gl_VertexID) + 1.0) / float(count) - 1.0, 0.0, 0.0, 1.0);
+  gl_PointSize = 1.0;
+}}"
+        );
+        let fragment = format!(
+            "{line}\n{precision}\nflat in highp uvec2 carried; out highp uvec4 color;
+void main() {{ color = uvec4(carried, 3u, 4u); }}"
+        );
+        let stages = vec![glsl(Stage::Vertex, &vertex), glsl(Stage::Fragment, &fragment)];
+        let grid = Grid::Points { count: 101, texel: Texel::Uint };
+        let resources = vec![uniform("B", 0, &[42, 101, 0, 0])];
+        let answer = open().run(&job(stages, resources, grid)).unwrap();
+        let expected: Vec<[u32; 4]> = (0..101).map(|i| [42, i, 3, 4]).collect();
+        assert_eq!(answer.pixels, expected, "{line}");
+    }
+}
+
+#[test]
+fn es_runs_compute_shaders_too() {
+    let text = COPY
+        .replace("#version 430", "#version 310 es")
+        .replace("layout(std430) buffer Output", "layout(std430, binding = 3) buffer Output");
+    let job = Job { stages: vec![glsl(Stage::Compute, &text)], ..copy() };
+    let answer = open().run(&job).unwrap();
+    assert_eq!(words(answer.buffers[1].as_ref().unwrap()), COPIED);
+}
+
+#[test]
+fn each_block_of_an_array_has_its_own_buffer() {
+    let text = "#version 430
+layout(local_size_x = 1) in;
+layout(std140) uniform B { uint x; } b[2];
+layout(std430) buffer Output { uint words[2]; };
+void main() { words[0] = b[0].x; words[1] = b[1].x; }";
+    let resources = vec![
+        uniform("B[1]", 1, &[11, 0, 0, 0]),
+        uniform("B[0]", 0, &[10, 0, 0, 0]),
+        output("Output", 2, 2),
+    ];
+    let job = job(vec![glsl(Stage::Compute, text)], resources, Grid::Groups([1, 1, 1]));
+    let answer = open().run(&job).unwrap();
+    assert_eq!(words(answer.buffers[2].as_ref().unwrap()), [10, 11]);
+}
+
+#[test]
+fn one_reader_runs_hundreds_of_jobs_and_each_sees_only_its_own_buffers() {
+    let mut gl = open();
+    let other = "#version 330
+layout(std140) uniform Other { uvec4 z; };
+out uvec4 color;
+void main() { color = z; }";
+    for round in 0..150u32 {
+        let mut copy = copy();
+        copy.resources[0] = uniform("Input", 0, &vec![round; 16]);
+        let answer = gl.run(&copy).unwrap();
+        let expected =
+            [5 + round, 5 + round, 5 + round, 5 + round, 5 + round, 5 + round, 5 + round, 12];
+        assert_eq!(words(answer.buffers[1].as_ref().unwrap()), expected);
+        let resources = vec![uniform("Other", 0, &[round, 1, 2, 3])];
+        let grid = Grid::Image { width: 1, height: 1, texel: Texel::Uint };
+        let answer = gl.run(&job(vec![glsl(Stage::Fragment, other)], resources, grid)).unwrap();
+        assert_eq!(answer.pixels, [[round, 1, 2, 3]]);
+    }
+}
+
+fn refused(job: &Job) -> (String, String) {
+    let mut gl = open();
+    let failure = gl.run(job).unwrap_err();
+    assert_eq!(failure.kind, FailureKind::Refused, "{failure}");
+    let answer = gl.run(&copy()).expect("the next job is not affected");
+    assert_eq!(words(answer.buffers[1].as_ref().unwrap()), COPIED);
+    (failure.message, failure.log)
+}
+
+#[test]
+fn a_syntax_error_comes_with_the_drivers_log() {
+    let mut job = copy();
+    job.stages = vec![glsl(Stage::Compute, &COPY.replace("words[at]", "wards[at]"))];
+    let (message, log) = refused(&job);
+    assert_eq!(message, "the compute shader does not compile");
+    assert!(log.contains("wards"), "{log}");
+}
+
+#[test]
+fn stages_that_do_not_meet_come_with_the_linkers_log() {
+    let vertex = "#version 330\nout vec2 gone; void main() { gl_Position = gone.xyxy; }";
+    let fragment = "#version 330\nin vec3 gone; out vec4 c; void main() { c = gone.xyzz; }";
+    let stages = vec![glsl(Stage::Vertex, vertex), glsl(Stage::Fragment, fragment)];
+    let grid = Grid::Image { width: 1, height: 1, texel: Texel::Float };
+    let (message, log) = refused(&job(stages, Vec::new(), grid));
+    assert_eq!(message, "the program does not link");
+    assert!(log.contains("gone"), "{log}");
+}
+
+#[test]
+fn a_block_over_the_limit_is_refused_with_both_numbers() {
+    let limit = Gl::list().unwrap()[0].outcome.clone().unwrap().1.uniform_block_size.unwrap();
+    let mut job = copy();
+    let size = usize::try_from(limit).unwrap() + 16;
+    job.resources[0].kind = ResourceKind::Uniform(vec![0; size]);
+    let expected =
+        format!("the uniform block `Input` has {size} bytes, and this device takes {limit}");
+    assert_eq!(refused(&job).0, expected);
+}
+
+#[test]
+fn too_many_workgroups_are_refused_with_both_numbers() {
+    let limit = Gl::list().unwrap()[0].outcome.clone().unwrap().1.workgroups.unwrap();
+    let groups = u32::try_from(limit + 1).unwrap();
+    let job = Job { grid: Grid::Groups([1, groups, 1]), ..copy() };
+    let expected =
+        format!("the dispatch has {groups} workgroups one way, and this device takes {limit}");
+    assert_eq!(refused(&job).0, expected);
+}
+
+#[test]
+fn what_is_bound_twice_or_not_at_all_or_too_short_is_named() {
+    let mut job = copy();
+    job.resources.push(uniform("Input", 5, &[0; 16]));
+    assert_eq!(refused(&job).0, "`Input` is bound twice in one job");
+    let mut job = copy();
+    job.resources.remove(0);
+    let message = "the shader reads the uniform block `Input`, and nothing is bound to it";
+    assert_eq!(refused(&job).0, message);
+    let mut job = copy();
+    job.resources[0] = uniform("Input", 0, &[0; 12]);
+    let message = "the driver wants 64 bytes in `Input`, and 48 bytes are bound";
+    assert_eq!(refused(&job).0, message);
+    let mut job = copy();
+    job.resources.push(bound("push", 0, ResourceKind::PushConstant(vec![0; 4])));
+    assert_eq!(refused(&job).0, "OpenGL has no push constants, and `push` is a block of them");
+}
+
+#[test]
+fn a_job_without_text_or_the_stage_of_its_grid_is_refused() {
+    let mut job = copy();
+    job.stages[0].glsl = None;
+    assert_eq!(refused(&job).0, "OpenGL takes GLSL, and the compute stage has none");
+    let grid = Grid::Image { width: 1, height: 1, texel: Texel::Float };
+    assert_eq!(refused(&Job { grid, ..copy() }).0, "the job has no fragment stage");
+}
+
+#[test]
+fn every_kind_of_context_is_listed() {
+    let found = Gl::list().unwrap();
+    let kinds: Vec<&str> = found.iter().map(|f| f.kind.split(' ').next().unwrap()).collect();
+    assert_eq!(kinds, ContextKind::ALL.map(ContextKind::name));
+    for found in found {
+        let (device, limits) = found.outcome.unwrap();
+        assert_eq!((found.reader, device.reader), ("gl", "gl"));
+        assert!(!device.adapter.is_empty() && !device.version.is_empty());
+        // OpenGL 4.6 table 23.64 and ES 3.2 table 21.40 ask for no less.
+        assert!(limits.uniform_block_size.unwrap() >= 16384);
+    }
+}
