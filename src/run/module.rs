@@ -38,7 +38,13 @@ pub struct ModuleBlock {
 }
 
 impl Module {
-    pub fn new(_source: &Source, _options: &Options) -> Result<Module, Vec<Diagnostic>> { todo!() }
-    pub fn by_naga(_source: &Source, _options: &Options) -> Result<Module, Vec<Diagnostic>> { todo!() }
-    pub fn blocks(&self) -> &[ModuleBlock] { &self.blocks }
+    pub fn new(_source: &Source, _options: &Options) -> Result<Module, Vec<Diagnostic>> {
+        todo!()
+    }
+    pub fn by_naga(_source: &Source, _options: &Options) -> Result<Module, Vec<Diagnostic>> {
+        todo!()
+    }
+    pub fn blocks(&self) -> &[ModuleBlock] {
+        &self.blocks
+    }
 }

@@ -85,7 +85,8 @@ fn append(
         text.push_str("precision highp float;\nprecision highp int;\n");
     }
     let precision = if head.es { "highp " } else { "" };
-    let _ = writeln!(text, "layout(std430) buffer {RESULTS} {{ {precision}uint landfall_words[]; }};");
+    let _ =
+        writeln!(text, "layout(std430) buffer {RESULTS} {{ {precision}uint landfall_words[]; }};");
     if stage == Stage::Compute && !source.text.contains("local_size_x") {
         text.push_str("layout(local_size_x = 1) in;\n");
     }
@@ -124,7 +125,8 @@ fn append(
                     let _ = writeln!(text, "void {name}({declared}) {{\n{inside}}}");
                     let _ = writeln!(body, "    {name}({from});");
                 } else {
-                    let _ = writeln!(text, "void {name}() {{\n    {declared} = {from};\n{inside}}}");
+                    let _ =
+                        writeln!(text, "void {name}() {{\n    {declared} = {from};\n{inside}}}");
                     let _ = writeln!(body, "    {name}();");
                 }
             }
@@ -325,9 +327,8 @@ pub(super) fn kind(scalar: Scalar) -> Kind {
         ScalarKind::Bool => Kind::Bool,
         ScalarKind::Sint | ScalarKind::Uint => Kind::Whole,
         ScalarKind::Float if scalar.width == 8 => Kind::Double,
-        ScalarKind::Float
-        | ScalarKind::Bfloat
-        | ScalarKind::FloatE5m2
-        | ScalarKind::FloatE4m3 => Kind::Float,
+        ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
+            Kind::Float
+        }
     }
 }

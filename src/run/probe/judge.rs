@@ -74,9 +74,9 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
 /// that changed though nobody meant it to is laid to the first write that did not land.
 pub fn written(plan: &Plan, after: &[u8]) -> Vec<Sighting> {
     let word = |place: usize| {
-        after.get(place * 4..place * 4 + 4).map_or(0, |bytes| {
-            u32::from_le_bytes(bytes.try_into().expect("four bytes were taken"))
-        })
+        after
+            .get(place * 4..place * 4 + 4)
+            .map_or(0, |bytes| u32::from_le_bytes(bytes.try_into().expect("four bytes were taken")))
     };
     let count = after.len() / 4;
     let mut found = std::collections::BTreeMap::new();

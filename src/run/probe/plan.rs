@@ -259,9 +259,7 @@ fn elements(leaf: &Leaf) -> Option<Vec<Vec<u32>>> {
         for dim in &dims {
             all = all
                 .iter()
-                .flat_map(|start| {
-                    dim.iter().map(|index| [start.as_slice(), &[*index]].concat())
-                })
+                .flat_map(|start| dim.iter().map(|index| [start.as_slice(), &[*index]].concat()))
                 .collect();
         }
         return Some(all);
@@ -329,16 +327,12 @@ pub fn top_member<'a>(block: &'a BlockLayout, leaf: &Leaf) -> Option<&'a MemberL
     block.members.iter().find(|member| &*member.name == name)
 }
 
-fn ways(
-    leaf: &Leaf,
-    top: Option<&MemberLayout>,
-    space: AddressSpace,
-    access: Access,
-) -> Vec<Way> {
+fn ways(leaf: &Leaf, top: Option<&MemberLayout>, space: AddressSpace, access: Access) -> Vec<Way> {
     let mut ways = Vec::new();
     if access.read {
         ways.push(Way::Constant);
-        let indexed = !leaf.dims.is_empty() || !matches!(leaf.ty, Type::Scalar(_) | Type::Atomic(_));
+        let indexed =
+            !leaf.dims.is_empty() || !matches!(leaf.ty, Type::Scalar(_) | Type::Atomic(_));
         if indexed {
             ways.push(Way::Dynamic);
         }

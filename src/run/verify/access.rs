@@ -51,7 +51,9 @@ fn without_comments(text: &str) -> String {
     while at < bytes.len() {
         let end = match &bytes[at..] {
             [b'/', b'/', ..] => memchr::memchr(b'\n', &bytes[at..]).map(|end| at + end),
-            [b'/', b'*', ..] => memchr::memmem::find(&bytes[at + 2..], b"*/").map(|end| at + end + 4),
+            [b'/', b'*', ..] => {
+                memchr::memmem::find(&bytes[at + 2..], b"*/").map(|end| at + end + 4)
+            }
             _ => {
                 result.push(bytes[at]);
                 at += 1;

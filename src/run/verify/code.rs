@@ -1,16 +1,19 @@
 //! The code of a probe in the form its reader takes: the user's text for OpenGL, ported where
 //! OpenGL has no bytes for its uniforms, and a module for the evaluator and wgpu.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::partner;
 use super::{Form, VerifyOptions};
 use crate::layout::BlockLayout;
+use crate::parse::glsl::raw;
 use crate::port::{PortOptions, port};
 use crate::run::Module;
 use crate::run::probe::plan::{Access, Plan};
 use crate::run::probe::{glsl, wgsl};
 use crate::run::reader::{Failure, FailureKind, StageCode};
-use crate::shape::AddressSpace;
+use crate::shape::{AddressSpace, Rules};
 use crate::source::{Language, Source, Stage};
 use crate::{Diagnostic, Options, layout};
 
@@ -29,7 +32,8 @@ pub(super) struct Need<'a> {
 
 /// A probe's code, and where its buffers are bound.
 pub(super) struct Code {
-    pub stage: StageCode,
+    /// In the order of the pipeline.
+    pub stages: Vec<StageCode>,
     pub block: Bound,
     pub results: Bound,
     /// Whether the shader may write the block.
@@ -91,6 +95,9 @@ pub(super) fn not_for(
         (Language::Glsl, AddressSpace::PushConstant) => {
             Some("OpenGL has no push constants".to_string())
         }
+        (Language::Glsl, _) if block.rules == Rules::Scalar => {
+            Some("OpenGL has no scalar rules".to_string())
+        }
         (Language::Glsl, _) => None,
     }
 }
@@ -103,35 +110,84 @@ pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
     let form = form(need.reader, need.source, need.block, need.options.naga);
     match form {
         Form::Original => {
-            let text = glsl::text(need.source, need.block, need.element, need.plan, need.stage);
-            Ok(for_gl(need, without_sets(&text)))
+            let source = opened(need);
+            let text = glsl::text(&source, need.block, need.element, need.plan, need.stage);
+            for_gl(need, &source, &text)
         }
         Form::Ported => ported(need),
         Form::Module | Form::Naga => module(need, form),
     }
 }
 
-fn for_gl(need: &Need<'_>, text: String) -> Code {
-    let indices = need.element.iter().map(|index| format!("[{index}]"));
-    let name = format!("{}{}", need.block.name, indices.collect::<String>());
-    Code {
-        stage: StageCode {
-            stage: need.stage,
-            entry: "main".to_string(),
-            module: None,
-            glsl: Some(text),
-            spirv: None,
-        },
+/// The shader with its includes in it: drivers open no files.
+fn opened<'a>(need: &Need<'a>) -> Cow<'a, Source> {
+    if !need.source.text.contains("#include") {
+        return Cow::Borrowed(need.source);
+    }
+    let text = raw::flattened(need.source, &need.options.layout.read);
+    Cow::Owned(Source { text: Arc::from(text), ..need.source.clone() })
+}
+
+fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
+    let name = gl_name(&need.block.name, need.element);
+    let probe = stage_code(need.stage, "main", None, Some(without(text, "set")));
+    let stages = match need.stage {
+        Stage::Vertex => vec![probe, fragment(need, source)?],
+        Stage::Fragment => {
+            let vertex = partner::vertex(source, &need.options.layout.read);
+            vec![stage_code(Stage::Vertex, "main", None, Some(vertex)), probe]
+        }
+        Stage::Compute
+        | Stage::TessellationControl
+        | Stage::TessellationEvaluation
+        | Stage::Geometry
+        | Stage::Task
+        | Stage::Mesh
+        | Stage::RayGeneration
+        | Stage::Intersection
+        | Stage::AnyHit
+        | Stage::ClosestHit
+        | Stage::Miss
+        | Stage::Callable => vec![probe],
+    };
+    Ok(Code {
+        stages,
         block: Bound { name, ..Bound::default() },
         results: Bound { name: glsl::RESULTS.to_string(), ..Bound::default() },
         writable: need.access.write,
-    }
+    })
+}
+
+/// The fragment stage that a vertex stage needs to run.
+fn fragment(need: &Need<'_>, source: &Source) -> Result<StageCode, Failure> {
+    let source = partner::fragment(source);
+    let module = match need.reader {
+        "gl" => None,
+        _ => {
+            let made = Module::new(&source, &Options::default());
+            Some(Arc::new(made.map_err(|found| refused("run", &found))?))
+        }
+    };
+    Ok(stage_code(Stage::Fragment, "main", module, Some(source.text.to_string())))
+}
+
+fn stage_code(
+    stage: Stage,
+    entry: &str,
+    module: Option<Arc<Module>>,
+    glsl: Option<String>,
+) -> StageCode {
+    StageCode { stage, entry: entry.to_string(), module, glsl, spirv: None }
+}
+
+/// The name OpenGL gives one buffer of a block, or of an array of them: `B[0]`.
+pub(super) fn gl_name(block: &str, element: &[u32]) -> String {
+    element.iter().fold(block.to_string(), |name, index| format!("{name}[{index}]"))
 }
 
 /// The shader with its loose uniforms in a block: the members keep their order.
 fn ported(need: &Need<'_>) -> Result<Code, Failure> {
-    let options =
-        PortOptions { read: need.options.layout.read.clone(), ..PortOptions::default() };
+    let options = PortOptions { read: need.options.layout.read.clone(), ..PortOptions::default() };
     let ported = port(need.source, &options).map_err(|found| refused("ported", &found))?;
     let shader = layout(&ported.source, &need.options.layout);
     let name = ported.block.as_deref().unwrap_or_default();
@@ -143,7 +199,7 @@ fn ported(need: &Need<'_>) -> Result<Code, Failure> {
         return Err(failure("the ported text has its uniforms in other places".to_string()));
     };
     let text = glsl::text(&ported.source, block, need.element, need.plan, need.stage);
-    let mut code = for_gl(need, without_sets(&text));
+    let mut code = for_gl(need, &ported.source, &text)?;
     code.block.name = name.to_string();
     Ok(code)
 }
@@ -153,12 +209,9 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
         Language::Glsl => {
             (glsl::text(need.source, need.block, need.element, need.plan, need.stage), "main")
         }
-        Language::Wgsl => {
-            (wgsl::text(need.source, need.block, need.plan, need.stage), wgsl::ENTRY)
-        }
+        Language::Wgsl => (wgsl::text(need.source, need.block, need.plan, need.stage), wgsl::ENTRY),
     };
-    let source =
-        Source { text: Arc::from(text), stage: Some(need.stage), ..need.source.clone() };
+    let source = Source { text: Arc::from(text), stage: Some(need.stage), ..need.source.clone() };
     let options = Options { gather: true, naga: false, ..need.options.layout.clone() };
     let made = match form {
         Form::Naga => Module::by_naga(&source, &options),
@@ -166,27 +219,21 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
     };
     let module = made.map_err(|found| refused("run", &found))?;
     let block = bound(&module, need.block, need.element)?;
-    let results = module.blocks().iter().find(|block| {
-        [glsl::RESULTS, "landfall_words"].contains(&&*block.layout.name)
-    });
+    let results = module
+        .blocks()
+        .iter()
+        .find(|block| [glsl::RESULTS, "landfall_words"].contains(&&*block.layout.name));
     let results = results.ok_or_else(|| failure("the module lost its results".to_string()))?;
     let results = Bound {
         name: results.layout.name.to_string(),
         group: results.group,
         binding: results.binding,
     };
-    Ok(Code {
-        stage: StageCode {
-            stage: need.stage,
-            entry: entry.to_string(),
-            module: Some(Arc::new(module)),
-            glsl: None,
-            spirv: None,
-        },
-        block,
-        results,
-        writable: need.access.write,
-    })
+    let mut stages = vec![stage_code(need.stage, entry, Some(Arc::new(module)), None)];
+    if need.stage == Stage::Vertex {
+        stages.push(fragment(need, need.source)?);
+    }
+    Ok(Code { stages, block, results, writable: need.access.write })
 }
 
 /// Where the probed block is bound in the module.
@@ -210,42 +257,41 @@ fn refused(what: &str, found: &[Diagnostic]) -> Failure {
     failure(format!("it cannot be {what}: {first}"))
 }
 
-/// The text without `set = N` in its layout qualifiers: OpenGL has no descriptor sets. The line
-/// breaks and the length stay.
-fn without_sets(text: &str) -> String {
+/// The text without `WORD = N` in its layout qualifiers: OpenGL has no descriptor sets.
+fn without(text: &str, word: &str) -> String {
     let mut result = String::with_capacity(text.len());
     let mut rest = text;
-    while let Some(at) = rest.find("set") {
+    while let Some(at) = rest.find(word) {
         let (step, after) = rest.split_at(at);
         result.push_str(step);
-        let before = result.as_str();
-        let list = before.rfind(['(', ')']).map(|at| before.split_at(at));
-        let opens = before.trim_end().ends_with(['(', ','])
+        let list = result.rfind(['(', ')']).map(|at| result.split_at(at));
+        let opens = result.trim_end().ends_with(['(', ','])
             && list.is_some_and(|(head, list)| {
                 list.starts_with('(') && head.trim_end().ends_with("layout")
             });
-        let value = after[3..].trim_start().strip_prefix('=').map(str::trim_start);
+        let value = after[word.len()..].trim_start().strip_prefix('=').map(str::trim_start);
         let end = value.and_then(|value| {
             let digits = value.find(|c: char| !c.is_ascii_digit())?;
             (digits > 0).then(|| after.len() - value.len() + digits)
         });
-        let comma_before = before.trim_end().ends_with(',');
-        match end.filter(|_| opens) {
-            Some(mut end) => {
-                // One of the commas beside it goes too.
-                let comma = after[end..].trim_start().starts_with(',');
-                if comma {
-                    end += after[end..].find(',').map_or(0, |comma| comma + 1);
-                } else if comma_before {
-                    let keep = result.trim_end().len() - 1;
-                    result.truncate(keep);
-                }
-                rest = &after[end..];
-            }
-            None => {
-                result.push_str("set");
-                rest = &after[3..];
-            }
+        let Some(end) = end.filter(|_| opens) else {
+            result.push_str(word);
+            rest = &after[word.len()..];
+            continue;
+        };
+        rest = &after[end..];
+        if let Some(more) = rest.trim_start().strip_prefix(',') {
+            rest = more;
+        } else if result.trim_end().ends_with(',') {
+            result.truncate(result.trim_end().len() - 1);
+        } else if let (Some(more), Some(head)) =
+            (rest.trim_start().strip_prefix(')'), result.trim_end().strip_suffix('('))
+        {
+            // An empty list is no list.
+            rest = more;
+            let head = head.trim_end();
+            let head = head.strip_suffix("layout").unwrap_or(head).len();
+            result.truncate(head);
         }
     }
     result.push_str(rest);
@@ -257,15 +303,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn descriptor_sets_go_and_nothing_else() {
+    fn a_qualifier_goes_and_nothing_else() {
         for (before, after) in [
             ("layout(set = 0, binding = 1) uniform", "layout( binding = 1) uniform"),
             ("layout(std140, set=12,binding=1)", "layout(std140, binding=1)"),
             ("layout(binding = 1, set = 2) uniform", "layout(binding = 1) uniform"),
+            ("layout(set = 2) uniform", " uniform"),
             ("int offset = 3; f(set = 4);", "int offset = 3; f(set = 4);"),
             ("int reset; layout(offset = 16) float x;", "int reset; layout(offset = 16) float x;"),
         ] {
-            assert_eq!(without_sets(before), after, "{before}");
+            assert_eq!(without(before, "set"), after, "{before}");
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod access;
 mod code;
+mod partner;
 pub mod report;
 
 use std::collections::BTreeMap;
@@ -15,9 +16,7 @@ use crate::buffer::Buffer;
 use crate::layout::BlockLayout;
 use crate::run::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::run::probe::{Got, Sighting, cause, judge, words};
-use crate::run::reader::{
-    Failure, FailureKind, Grid, Job, Reader, Resource, ResourceKind, Texel,
-};
+use crate::run::reader::{Failure, FailureKind, Grid, Job, Reader, Resource, ResourceKind, Texel};
 use crate::shape::{AddressSpace, ArrayLen, ScalarKind};
 use crate::source::{Source, Stage};
 use crate::{Diagnostic, Options, ShaderLayout, layout};
@@ -25,6 +24,9 @@ use code::{Code, Need};
 pub use report::{
     BlockReport, Cause, ElementReport, Form, Outcome, ReaderReport, ShaderReport, Unprobed,
 };
+
+/// Buffers of one dimension of an array of blocks that are bound at most.
+const MOST_BUFFERS: u32 = 64;
 
 /// How a shader is verified.
 #[derive(Clone, Debug)]
@@ -106,7 +108,8 @@ pub fn verify(
         let access = access::of(block, &shader.files, source.language);
         let is_given = expected.is_some();
         let expected = expected.unwrap_or(block);
-        Verifier { source, options, block, expected, access }.block(readers, is_given)
+        let blocks = &shader.blocks;
+        Verifier { source, options, blocks, block, expected, access }.block(readers, is_given)
     });
     ShaderReport {
         path: shader.path.clone(),
@@ -119,6 +122,7 @@ pub fn verify(
 struct Verifier<'a> {
     source: &'a Source,
     options: &'a VerifyOptions,
+    blocks: &'a [BlockLayout],
     block: &'a BlockLayout,
     expected: &'a BlockLayout,
     access: Access,
@@ -156,27 +160,35 @@ impl Verifier<'_> {
 
     /// Bytes of a buffer that holds either layout, a runtime-sized tail of [`TAIL`] elements.
     fn buffer(&self) -> Result<u64, String> {
-        let bytes = |block: &BlockLayout| {
-            Buffer::with_tail(block, TAIL as usize)
-                .map(|buffer| buffer.bytes().len() as u64)
-                .map_err(|error| error.to_string())
-        };
-        if self.block.size.is_some_and(|size| size > LARGEST_BUFFER) {
-            return Err(format!(
-                "it has {} bytes, probes fill {LARGEST_BUFFER} at most",
-                self.block.size.unwrap_or(0)
-            ));
-        }
         let (own, expected) = (bytes(self.block)?, bytes(self.expected)?);
         Ok(own.max(expected).next_multiple_of(4))
     }
 
+    /// The other blocks, filled with zeros: OpenGL wants every block bound that it counts as
+    /// active, and it counts those of a dead `main`.
+    fn others(&self) -> Vec<Resource> {
+        let resource = |(block, element): (&BlockLayout, Vec<u32>)| {
+            let bytes = vec![0; bytes(block).ok()?.next_multiple_of(4) as usize];
+            let kind = match block.space {
+                AddressSpace::Uniform => ResourceKind::Uniform(bytes),
+                AddressSpace::Storage => ResourceKind::Storage { bytes, writable: true },
+                AddressSpace::PushConstant
+                | AddressSpace::BufferReference
+                | AddressSpace::ShaderRecord
+                | AddressSpace::Default => return None,
+            };
+            let name = code::gl_name(&block.name, &element);
+            Some(Resource { name, group: 0, binding: 0, kind })
+        };
+        self.blocks
+            .iter()
+            .flat_map(|block| every(&block.count).into_iter().map(move |at| (block, at)))
+            .filter_map(resource)
+            .collect()
+    }
+
     /// Why no reader can probe the block, if so.
-    fn refusal(
-        &self,
-        is_given: bool,
-        buffer: &Result<u64, String>,
-    ) -> Option<String> {
+    fn refusal(&self, is_given: bool, buffer: &Result<u64, String>) -> Option<String> {
         if !is_given {
             return Some(format!("the given layout has no block `{}`", self.block.name));
         }
@@ -300,22 +312,21 @@ impl Verifier<'_> {
             results.extend_from_slice(&index.to_le_bytes());
         }
         results.resize(plan.words as usize * 4, 0);
+        let bound = |bound: &code::Bound, kind| Resource {
+            name: bound.name.clone(),
+            group: bound.group,
+            binding: bound.binding,
+            kind,
+        };
+        let results = ResourceKind::Storage { bytes: results, writable: true };
+        let mut resources = vec![bound(&code.block, kind), bound(&code.results, results)];
+        if code.stages[0].module.is_none() {
+            let others = self.others().into_iter();
+            resources.extend(others.filter(|other| other.name != code.block.name));
+        }
         let job = Job {
-            stages: vec![code.stage.clone()],
-            resources: vec![
-                Resource {
-                    name: code.block.name.clone(),
-                    group: code.block.group,
-                    binding: code.block.binding,
-                    kind,
-                },
-                Resource {
-                    name: code.results.name.clone(),
-                    group: code.results.group,
-                    binding: code.results.binding,
-                    kind: ResourceKind::Storage { bytes: results, writable: true },
-                },
-            ],
+            stages: code.stages.clone(),
+            resources,
             grid: match stage {
                 Stage::Vertex => Grid::Points { count: 1, texel: Texel::Uint },
                 Stage::Fragment => Grid::Image { width: 1, height: 1, texel: Texel::Uint },
@@ -335,8 +346,8 @@ impl Verifier<'_> {
             limit: self.options.limit,
         };
         let mut answer = reader.run(&job)?;
-        let results = answer.buffers.pop().flatten();
-        let block = answer.buffers.pop().flatten();
+        let mut buffers = answer.buffers.drain(..);
+        let (block, results) = (buffers.next().flatten(), buffers.next().flatten());
         let Some(results) = results else {
             return Err(Failure {
                 kind: FailureKind::Died,
@@ -385,6 +396,20 @@ struct Words {
     block: Vec<u8>,
 }
 
+/// Bytes of a buffer for a block, a runtime-sized tail of [`TAIL`] elements.
+fn bytes(block: &BlockLayout) -> Result<u64, String> {
+    if block.size.is_some_and(|size| size > LARGEST_BUFFER) {
+        let size = block.size.unwrap_or(0);
+        return Err(format!("it has {size} bytes, probes fill {LARGEST_BUFFER} at most"));
+    }
+    let has_tail = block.members.iter().any(|member| member.dims.contains(&ArrayLen::Runtime));
+    let buffer = match has_tail {
+        true => Buffer::with_tail(block, TAIL as usize),
+        false => Buffer::new(block),
+    };
+    buffer.map(|buffer| buffer.bytes().len() as u64).map_err(|error| error.to_string())
+}
+
 fn skipped(reader: &dyn Reader, stage: Stage, reason: &str) -> ReaderReport {
     ReaderReport {
         reader: reader.device().reader,
@@ -400,15 +425,27 @@ fn skipped(reader: &dyn Reader, stage: Stage, reason: &str) -> ReaderReport {
 
 /// The buffers of an array of blocks that are probed: first and last of each dimension.
 fn elements(count: &[ArrayLen]) -> Vec<Vec<u32>> {
+    combined(count, |length| {
+        let mut ends = vec![0, length.saturating_sub(1)];
+        ends.dedup();
+        ends
+    })
+}
+
+/// Every buffer of an array of blocks.
+fn every(count: &[ArrayLen]) -> Vec<Vec<u32>> {
+    combined(count, |length| (0..length.min(MOST_BUFFERS)).collect())
+}
+
+fn combined(count: &[ArrayLen], chosen: impl Fn(u32) -> Vec<u32>) -> Vec<Vec<u32>> {
     let mut all = vec![Vec::new()];
     for len in count {
         let ArrayLen::Fixed(length) = len else { continue };
-        let mut ends = vec![0, length.saturating_sub(1)];
-        ends.dedup();
+        let chosen = chosen(*length);
         all = all
             .iter()
             .flat_map(|start: &Vec<u32>| {
-                ends.iter().map(|end| [start.as_slice(), &[*end]].concat())
+                chosen.iter().map(|at| [start.as_slice(), &[*at]].concat())
             })
             .collect();
     }
