@@ -10,6 +10,7 @@ mod csv;
 pub mod diagnostics;
 mod expand;
 pub mod explain;
+pub mod findings;
 pub mod hex;
 mod json;
 mod listing;
@@ -18,6 +19,8 @@ mod paint;
 mod place;
 pub mod rust;
 mod table;
+#[cfg(feature = "cli")]
+pub mod unified;
 pub mod values;
 mod words;
 
@@ -38,6 +41,9 @@ pub const DIAGNOSTIC_SCHEMA: &str = include_str!("schema/diagnostic.json");
 
 /// JSON Schema (draft 2020-12) of the JSON output of `explain`.
 pub const EXPLAIN_SCHEMA: &str = include_str!("schema/explain.json");
+
+/// JSON Schema (draft 2020-12) of the JSON report of `check`.
+pub const CHECK_SCHEMA: &str = include_str!("schema/check.json");
 
 /// A form layouts are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
