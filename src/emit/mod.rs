@@ -22,6 +22,7 @@ mod table;
 #[cfg(feature = "cli")]
 pub mod unified;
 pub mod values;
+mod visible;
 mod words;
 
 pub use expand::MOST_OFFSETS;

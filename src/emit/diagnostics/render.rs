@@ -2,12 +2,15 @@
 //!
 //! Fed by [`diagnostics`](super) and by [`findings`](crate::emit::findings).
 
-use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
+use annotate_snippets::{
+    AnnotationKind, Element, Group, Level, Origin, Padding, Renderer, Snippet,
+};
 
 use super::excerpt::{self, Excerpt};
 use crate::diagnostic::{Label, Severity};
 use crate::emit::paint::Paint;
 use crate::emit::place::Places;
+use crate::emit::visible::visible;
 use crate::source::{Files, Location};
 
 /// Columns an excerpt may take before annotate-snippets trims it: more than any line we hand over.
@@ -51,34 +54,43 @@ impl<'a> Pen<'a> {
             Severity::Warning => Level::WARNING,
         };
         let mut elements: Vec<Element<'_>> = Vec::new();
-        let mut notes = drawing.notes;
-        let excerpts = excerpt::excerpts(drawing.labels, self.files, &mut self.places);
-        for excerpt in &excerpts {
-            elements.push(snippet(excerpt).into());
-            notes.extend(excerpt.elsewhere.iter().cloned());
+        let mut notes: Vec<String> = drawing.notes.iter().map(|note| visible(note)).collect();
+        let mut excerpts = excerpt::excerpts(drawing.labels, self.files, &mut self.places);
+        for excerpt in &mut excerpts {
+            excerpt.path = visible(&excerpt.path);
+            notes.extend(excerpt.elsewhere.iter().map(|note| visible(note)));
         }
+        elements.extend(excerpts.iter().map(|excerpt| snippet(excerpt).into()));
+        let listing =
+            drawing.listing.map(|text| format!("the layout\n{}", visible(text.trim_end())));
+        notes.extend(listing);
+        let help = drawing.help.map(visible);
         if let (true, Some(at)) = (excerpts.is_empty(), &drawing.origin) {
-            let origin = Origin::path(at.path.as_str());
+            let origin = Origin::path(visible(&at.path));
             elements.push(match at.line {
                 0 => origin.into(),
                 line => origin.line(line as usize).char_column(at.column as usize).into(),
             });
+            if help.is_some() || !notes.is_empty() {
+                elements.push(Padding.into());
+            }
         }
         elements.extend(notes.iter().map(|note| Level::NOTE.message(note.as_str()).into()));
-        let listing = drawing.listing.map(|text| format!("the layout\n{}", text.trim_end()));
-        elements.extend(listing.iter().map(|text| Level::NOTE.message(text.as_str()).into()));
-        elements.extend(drawing.help.map(|help| Level::HELP.message(help).into()));
-        let title = level.primary_title(drawing.message).id(drawing.code);
+        elements.extend(help.iter().map(|help| Level::HELP.message(help.as_str()).into()));
+        let message = visible(drawing.message);
+        let title = level.primary_title(message.as_str()).id(drawing.code);
         let group: Group<'_> = title.elements(elements);
         let mut text = self.renderer.render(&[group]);
         // The column of a place in a line that was cut is counted in what was left of it.
         for cut in excerpts.iter().flat_map(|excerpt| &excerpt.cuts) {
             let Location { path, line, column } = &cut.at;
+            let path = visible(path);
             let shown = format!("{path}:{line}:{}", cut.shown_column);
             text = text.replacen(&shown, &format!("{path}:{line}:{column}"), 1);
         }
-        text.push_str("\n\n");
-        text
+        let mut trimmed: String = text.lines().flat_map(|line| [line.trim_end(), "\n"]).collect();
+        trimmed.push('\n');
+        trimmed
     }
 }
 

@@ -73,7 +73,9 @@ fn notice(more: &[&Finding]) -> String {
 
 /// The text of a command, escaped as the runner reads it.
 fn data(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+    let text = text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
+    // Logs show colours.
+    text.replace(|c: char| c.is_control() && c != '\t', "\u{fffd}")
 }
 
 /// A property of a command, escaped as the runner reads it.

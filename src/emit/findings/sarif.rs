@@ -7,7 +7,8 @@ mod uri;
 use serde_json::{Map, Value, json};
 
 use super::{severity, stable};
-use crate::lint::{Edit, Finding, LINTS, Lint, Place};
+use crate::emit::json::to_lines;
+use crate::lint::{Edit, Finding, LINTS, Level, Lint, Place};
 
 /// Where the schema this keeps to is published.
 const SCHEMA: &str =
@@ -40,9 +41,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
             "results": results,
         }],
     });
-    let mut text = serde_json::to_string_pretty(&log).expect("keys are strings");
-    text.push('\n');
-    text
+    to_lines(&log, 0) + "\n"
 }
 
 /// The lints, then what else findings are called.
@@ -85,14 +84,10 @@ fn rule(lint: &Lint) -> Value {
             "text": format!("{}\n\n{}\n\nExample:\n\n{example}", lint.why, lint.fix),
             "markdown": format!("{}\n\n{}\n\n```glsl\n{example}\n```", lint.why, lint.fix),
         },
-        "defaultConfiguration": configuration(lint),
-    })
-}
-
-fn configuration(lint: &Lint) -> Value {
-    json!({
-        "enabled": lint.level != crate::lint::Level::Allow,
-        "level": severity(lint.level),
+        "defaultConfiguration": {
+            "enabled": lint.level != Level::Allow,
+            "level": severity(lint.level),
+        },
     })
 }
 
@@ -115,7 +110,8 @@ fn result(finding: &Finding, number: u32, rules: &Rules<'_>) -> Value {
         put("relatedLocations", related.collect());
     }
     put("partialFingerprints", json!({FINGERPRINT: stable::fingerprint(finding, number)}));
-    if !finding.fix.is_empty() {
+    // A region has a line; an edit without one is not made by `--fix` either.
+    if !finding.fix.is_empty() && finding.fix.iter().all(|edit| edit.place.line > 0) {
         put("fixes", json!([fix(finding)]));
     }
     Value::Object(object)
