@@ -85,7 +85,7 @@ fn edits_that_do_not_mean_this_text_are_refused() {
     let mut huge = edit(text, 1, 4, "X");
     huge.place.end = u32::MAX;
     for bad in [moved, past, inside, backwards, whole, huge] {
-        assert_eq!(fixed(text, &[finding(&[bad.clone()])]), None, "{bad:?}");
+        assert_eq!(fixed(text, &[finding(std::slice::from_ref(&bad))]), None, "{bad:?}");
     }
 }
 

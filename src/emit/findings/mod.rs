@@ -60,6 +60,11 @@ impl ReportFormat {
             ReportFormat::Junit => "junit",
         }
     }
+
+    /// The format of that name.
+    pub fn from_name(name: &str) -> Option<ReportFormat> {
+        ReportFormat::ALL.into_iter().find(|format| format.name() == name)
+    }
 }
 
 /// What a report needs besides the findings.

@@ -82,7 +82,7 @@ fn rule(lint: &Lint) -> Value {
         "fullDescription": message(format!("{} {}", lint.what, lint.why).trim()),
         "help": {
             "text": format!("{}\n\n{}\n\nExample:\n\n{example}", lint.why, lint.fix),
-            "markdown": format!("{}\n\n{}\n\n```glsl\n{example}\n```", lint.why, lint.fix),
+            "markdown": format!("{}\n\n{}\n\n```\n{example}\n```", lint.why, lint.fix),
         },
         "defaultConfiguration": {
             "enabled": lint.level != Level::Allow,

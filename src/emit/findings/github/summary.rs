@@ -43,7 +43,7 @@ fn row(finding: &Finding) -> String {
 /// Text of ours in a cell: what stands in backticks is code, the rest is only text.
 fn cell(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         return plain(text);
     }
     let part = |(i, part): (usize, &&str)| if i % 2 == 0 { plain(part) } else { code(part) };
