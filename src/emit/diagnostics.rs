@@ -30,7 +30,10 @@ pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String 
 
 fn drawing(diagnostic: &Diagnostic) -> Drawing<'_> {
     // An unreadable file's own message already begins with its path.
-    let path = diagnostic.path.as_ref().filter(|path| !diagnostic.message.contains(path.as_str()));
+    let path = diagnostic
+        .path
+        .as_ref()
+        .filter(|path| diagnostic.labels.is_empty() && !diagnostic.message.contains(path.as_str()));
     Drawing {
         severity: diagnostic.severity,
         code: diagnostic.code,

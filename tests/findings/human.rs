@@ -55,6 +55,30 @@ warning[lock-orphan]: this lock is of `shaders/gone.frag`, which is not there
     assert_eq!(plain(&[], ReportFormat::Human), "65 shaders: no findings\n");
 }
 
+#[test]
+fn another_place_is_shown_when_the_main_one_is_a_whole_file() {
+    let block = sample::place("shaders/lights.frag", sample::LIGHTS, "PointLightBlock");
+    let finding = Finding::new("layout-drift", "x", Place::file("layouts/a.json"), "it drifted")
+        .with_related(block, "6160 bytes, not 6144")
+        .with_help("accept it");
+    assert_eq!(
+        plain(&[finding], ReportFormat::Human),
+        "\
+warning[layout-drift]: it drifted
+ --> layouts/a.json
+  |
+ ::: shaders/lights.frag:7:24
+  |
+7 | layout(std140) uniform PointLightBlock {
+  |                        --------------- 6160 bytes, not 6144
+  |
+  = help: accept it
+
+65 shaders: 1 warning
+"
+    );
+}
+
 /// The text without the escapes that colour it.
 fn bare(text: &str) -> String {
     let mut parts = text.split('\u{1b}');

@@ -21,9 +21,9 @@ pub(in crate::emit) struct Drawing<'a> {
     pub severity: Severity,
     pub code: &'a str,
     pub message: &'a str,
-    /// Where it is when no label can be shown; line 0 stands for the file as a whole.
+    /// The main place when its text cannot be shown; line 0 stands for the file as a whole.
     pub origin: Option<Location>,
-    /// The main place first, or none.
+    /// The main place first if it can be shown, then the others.
     pub labels: &'a [Label],
     pub notes: Vec<String>,
     /// Lines whose columns are aligned.
@@ -55,26 +55,27 @@ impl<'a> Pen<'a> {
         };
         let mut elements: Vec<Element<'_>> = Vec::new();
         let mut notes: Vec<String> = drawing.notes.iter().map(|note| visible(note)).collect();
-        let mut excerpts = excerpt::excerpts(drawing.labels, self.files, &mut self.places);
+        let main = if drawing.origin.is_some() { None } else { Some(0) };
+        let mut excerpts = excerpt::excerpts(drawing.labels, main, self.files, &mut self.places);
         for excerpt in &mut excerpts {
             excerpt.path = visible(&excerpt.path);
             notes.extend(excerpt.elsewhere.iter().map(|note| visible(note)));
         }
-        elements.extend(excerpts.iter().map(|excerpt| snippet(excerpt).into()));
         let listing =
             drawing.listing.map(|text| format!("the layout\n{}", visible(text.trim_end())));
         notes.extend(listing);
         let help = drawing.help.map(visible);
-        if let (true, Some(at)) = (excerpts.is_empty(), &drawing.origin) {
+        if let Some(at) = &drawing.origin {
             let origin = Origin::path(visible(&at.path));
             elements.push(match at.line {
                 0 => origin.into(),
                 line => origin.line(line as usize).char_column(at.column as usize).into(),
             });
-            if help.is_some() || !notes.is_empty() {
+            if excerpts.is_empty() && (help.is_some() || !notes.is_empty()) {
                 elements.push(Padding.into());
             }
         }
+        elements.extend(excerpts.iter().map(|excerpt| snippet(excerpt).into()));
         elements.extend(notes.iter().map(|note| Level::NOTE.message(note.as_str()).into()));
         elements.extend(help.iter().map(|help| Level::HELP.message(help.as_str()).into()));
         let message = visible(drawing.message);

@@ -26,9 +26,8 @@ fn one(finding: &Finding, texts: &Texts<'_>, pen: &mut Pen<'_>) -> String {
     labels.extend(main.map(|span| Label { span, text: finding.text.clone() }));
     for related in &finding.related {
         match texts.span(&related.place) {
-            // The first label is the main one, so there are none without it.
-            Some(span) if main.is_some() => labels.push(Label { span, text: related.text.clone() }),
-            Some(_) | None => notes.push(elsewhere(&related.text, &related.place)),
+            Some(span) => labels.push(Label { span, text: related.text.clone() }),
+            None => notes.push(elsewhere(&related.text, &related.place)),
         }
     }
     notes.extend(finding.notes.iter().cloned());
@@ -39,7 +38,7 @@ fn one(finding: &Finding, texts: &Texts<'_>, pen: &mut Pen<'_>) -> String {
         },
         code: &finding.code,
         message: &finding.message,
-        origin: Some(Location {
+        origin: main.is_none().then(|| Location {
             path: finding.place.path.clone(),
             line: finding.place.line,
             column: finding.place.column,
