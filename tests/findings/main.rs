@@ -9,8 +9,11 @@ mod sample;
 mod sarif;
 mod short;
 
+use fastrand::Rng;
 use landfall::emit::Paint;
 use landfall::emit::findings::{ReportFormat, github_summary, report};
+
+use landfall::lint::Place;
 
 /// A report of the sample, or of what else there is, without colours.
 fn plain(findings: &[landfall::lint::Finding], format: ReportFormat) -> String {
@@ -46,5 +49,38 @@ fn no_string_of_anybody_moves_the_cursor_or_colours_a_terminal() {
         // Legal in JSON and XML, and nothing to a terminal.
         let found = text.chars().find(|c| moves(*c) && *c != '\u{7f}');
         assert_eq!(found, None, "{}", format.name());
+    }
+}
+
+/// A report that is read back may be anybody's.
+#[test]
+fn places_that_make_no_sense_do_no_harm() {
+    let mut rng = Rng::with_seed(7);
+    for _ in 0..300 {
+        let mut findings = sample::findings();
+        for finding in &mut findings {
+            let edited = finding.fix.iter_mut().map(|edit| &mut edit.place);
+            let related = finding.related.iter_mut().map(|related| &mut related.place);
+            for place in edited.chain(related).chain([&mut finding.place]) {
+                scatter(place, &mut rng);
+            }
+        }
+        for format in ReportFormat::ALL {
+            assert!(plain(&findings, format).ends_with('\n'));
+        }
+        landfall::lint::fix::apply(&findings, &sample::text);
+    }
+}
+
+fn scatter(place: &mut Place, rng: &mut Rng) {
+    let Place { line, column, end_line, end_column, start, end, .. } = place;
+    for number in [line, column, end_line, end_column, start, end] {
+        *number = match rng.u8(..8) {
+            0 => 0,
+            1 => u32::MAX,
+            2 => number.saturating_sub(1),
+            3 => rng.u32(..200),
+            _ => *number,
+        };
     }
 }

@@ -41,7 +41,8 @@ impl<'a> Texts<'a> {
         let file = *self.by_path.get(place.path.as_str())?;
         let text = &self.files.get(file)?.text;
         let bytes = Span { file, start: place.start, end: place.end };
-        let found = place.end as usize <= text.len()
+        let found = place.start <= place.end
+            && place.end as usize <= text.len()
             && text.is_char_boundary(place.start as usize)
             && text.is_char_boundary(place.end as usize)
             && self.is_at(bytes, place);
