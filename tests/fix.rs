@@ -96,6 +96,15 @@ fn nothing_to_change_is_no_change() {
     assert_eq!(fixed("abc", &[finding(&[edit("abc", 1, 2, "b")])]), None);
 }
 
+/// Lints see a text without its byte order mark.
+#[test]
+fn a_byte_order_mark_stays() {
+    let finding = finding(&[edit("abc\r\n", 1, 2, "X")]);
+    let fixed = fixed("\u{feff}abc\r\n", &[finding]).expect("it changes");
+    assert_eq!(fixed.new, "\u{feff}aXc\r\n");
+    assert_eq!(&*fixed.old, "\u{feff}abc\r\n");
+}
+
 #[test]
 fn files_come_back_by_path() {
     let one = |path: &str| {

@@ -25,8 +25,9 @@ pub struct Fixed {
 /// next round.
 ///
 /// Earlier findings go first, each with all of its edits or none. An edit whose bytes are no
-/// longer at its line and column is not made. `text` is asked for each file once; the files
-/// that change come back sorted by path.
+/// longer at its line and column is not made; the same edit of two findings is made once.
+/// `text` is asked for each file once; a byte order mark it begins with counts no byte, as for
+/// lints, and stays. The files that change come back sorted by path.
 pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> Vec<Fixed> {
     let mut targets: BTreeMap<&str, Option<Target<'_>>> = BTreeMap::new();
     for finding in findings {
@@ -55,8 +56,14 @@ pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> V
     targets.into_values().flatten().filter_map(Target::fixed).collect()
 }
 
+/// What a text may begin with that is none of it.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// A file and the edits to make in it.
 struct Target<'a> {
+    /// All of it.
+    old: Arc<str>,
+    /// Its text as lints see it.
     files: Files,
     /// By their first byte; an insertion comes before what is replaced there.
     edits: BTreeMap<(u32, u32), &'a Edit>,
@@ -65,11 +72,15 @@ struct Target<'a> {
 impl<'a> Target<'a> {
     fn new(path: &str, text: Arc<str>) -> Target<'a> {
         let mut files = Files::default();
-        files.add(path, text);
-        Target { files, edits: BTreeMap::new() }
+        let seen = match text.strip_prefix(BYTE_ORDER_MARK) {
+            Some(rest) => rest.into(),
+            None => Arc::clone(&text),
+        };
+        files.add(path, seen);
+        Target { old: text, files, edits: BTreeMap::new() }
     }
 
-    fn text(&self) -> &Arc<str> {
+    fn text(&self) -> &str {
         &self.files.get(0).expect("added when the target was made").text
     }
 
@@ -104,17 +115,21 @@ impl<'a> Target<'a> {
         if self.edits.is_empty() {
             return None;
         }
-        let old = Arc::clone(self.text());
-        let mut new = String::with_capacity(old.len());
-        let mut at = 0;
-        for Edit { place, new: text } in self.edits.values() {
-            new.push_str(&old[at..place.start as usize]);
-            new.push_str(text);
-            at = place.end as usize;
+        let text = self.text();
+        let mut new = String::with_capacity(self.old.len());
+        if text.len() < self.old.len() {
+            new.push(BYTE_ORDER_MARK);
         }
-        new.push_str(&old[at..]);
+        let mut at = 0;
+        for edit in self.edits.values() {
+            new.push_str(&text[at..edit.place.start as usize]);
+            new.push_str(&edit.new);
+            at = edit.place.end as usize;
+        }
+        new.push_str(&text[at..]);
         let path = self.files.get(0)?.path.clone();
-        (*new != *old).then_some(Fixed { path, old, new, edits: self.edits.len() })
+        let Target { old, edits, .. } = self;
+        (*new != *old).then_some(Fixed { path, old, new, edits: edits.len() })
     }
 }
 

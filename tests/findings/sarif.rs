@@ -91,6 +91,15 @@ fn a_result_has_its_rule_its_place_the_other_copy_and_the_fix() {
     assert_eq!(orphan["locations"][0]["physicalLocation"].get("region"), None);
 }
 
+#[test]
+fn braces_of_a_message_are_no_placeholders() {
+    let place = Place::file("a.frag");
+    let finding = Finding::new("x", "", place, "`struct {0} {}` is empty").with_help("fill {1}");
+    let value = sarif(&[finding]);
+    let text = &value["runs"][0]["results"][0]["message"]["text"];
+    assert_eq!(*text, "`struct {{0}} {{}}` is empty\nhelp: fill {{1}}");
+}
+
 fn fingerprints(findings: &[Finding]) -> Vec<String> {
     let value = sarif(findings);
     let results = value["runs"][0]["results"].as_array().expect("results").clone();

@@ -33,7 +33,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
                 "name": env!("CARGO_PKG_NAME"),
                 "version": env!("CARGO_PKG_VERSION"),
                 "semanticVersion": env!("CARGO_PKG_VERSION"),
-                "shortDescription": message(env!("CARGO_PKG_DESCRIPTION")),
+                "shortDescription": plain(env!("CARGO_PKG_DESCRIPTION")),
                 "rules": rules.objects(),
             }},
             "columnKind": "unicodeCodePoints",
@@ -78,8 +78,8 @@ fn rule(lint: &Lint) -> Value {
     let example = lint.example.trim_end();
     json!({
         "id": lint.code,
-        "shortDescription": message(lint.what),
-        "fullDescription": message(format!("{} {}", lint.what, lint.why).trim()),
+        "shortDescription": plain(lint.what),
+        "fullDescription": plain(format!("{} {}", lint.what, lint.why).trim()),
         "help": {
             "text": format!("{}\n\n{}\n\nExample:\n\n{example}", lint.why, lint.fix),
             "markdown": format!("{}\n\n{}\n\n```\n{example}\n```", lint.why, lint.fix),
@@ -125,7 +125,13 @@ fn words(finding: &Finding) -> String {
     lines.join("\n")
 }
 
+/// A message: in those, braces are written twice (section 3.11.5).
 fn message(text: &str) -> Value {
+    json!({"text": text.replace('{', "{{").replace('}', "}}")})
+}
+
+/// A text that nothing is put into, as rules have them.
+fn plain(text: &str) -> Value {
     json!({"text": text})
 }
 

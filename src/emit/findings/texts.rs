@@ -2,6 +2,8 @@
 //!
 //! A file may have changed or gone since it was looked at; then there is nothing to show.
 
+use std::sync::Arc;
+
 use rustc_hash::FxHashMap;
 
 use super::ReportOptions;
@@ -25,6 +27,8 @@ impl<'a> Texts<'a> {
                     continue;
                 }
                 if let Some(text) = (options.text)(&place.path) {
+                    // Places count without a byte order mark.
+                    let text = text.strip_prefix('\u{feff}').map_or(Arc::clone(&text), Arc::from);
                     let file = texts.files.add(place.path.clone(), text);
                     texts.by_path.insert(&place.path, file);
                 }
