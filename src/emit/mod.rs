@@ -10,6 +10,7 @@ mod csv;
 pub mod diagnostics;
 mod expand;
 pub mod explain;
+pub mod findings;
 pub mod hex;
 mod json;
 mod listing;
@@ -18,8 +19,11 @@ mod paint;
 mod place;
 pub mod rust;
 mod table;
+#[cfg(feature = "cli")]
+pub mod unified;
 pub mod values;
 pub mod verify;
+mod visible;
 mod words;
 
 pub use expand::MOST_OFFSETS;
@@ -39,6 +43,9 @@ pub const DIAGNOSTIC_SCHEMA: &str = include_str!("schema/diagnostic.json");
 
 /// JSON Schema (draft 2020-12) of the JSON output of `explain`.
 pub const EXPLAIN_SCHEMA: &str = include_str!("schema/explain.json");
+
+/// JSON Schema (draft 2020-12) of the JSON report of `check`.
+pub const CHECK_SCHEMA: &str = include_str!("schema/check.json");
 
 /// A form layouts are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

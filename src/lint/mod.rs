@@ -4,6 +4,7 @@
 //! texts behind them; the command asks them and renders their [`Finding`]s.
 
 pub mod finding;
+pub mod fix;
 pub mod settings;
 
 mod array_stride_waste;

@@ -217,6 +217,8 @@ pub enum Schema {
     Layout,
     /// explain --format json
     Explain,
+    /// check --format json
+    Check,
     /// Findings on stderr with --format json, one a line
     Diagnostic,
 }

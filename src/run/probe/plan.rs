@@ -13,7 +13,7 @@ use crate::shape::{AddressSpace, ArrayLen, Scalar, ScalarKind, Type};
 pub const TAIL: u32 = 3;
 
 /// Words one probe returns at most: compilers take their time over longer ones.
-const MOST_WORDS: u32 = 1_200;
+const MOST_WORDS: u32 = 250;
 
 /// Elements of a whole array that is copied at most.
 const LARGEST_COPY: u64 = 64;
@@ -267,6 +267,8 @@ fn elements(leaf: &Leaf) -> Option<Vec<Vec<u32>>> {
     let firsts: Vec<u32> = dims.iter().map(|dim| dim[0]).collect();
     let lasts: Vec<u32> = dims.iter().filter_map(|dim| dim.last().copied()).collect();
     let mut chosen = vec![firsts.clone(), lasts.clone()];
+    // Arrays of one element end where they begin.
+    chosen.dedup();
     for (at, dim) in dims.iter().enumerate() {
         for &index in dim {
             for base in [&firsts, &lasts] {
