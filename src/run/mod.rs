@@ -17,5 +17,6 @@ pub mod module;
 pub mod probe;
 pub mod reader;
 pub mod verify;
+mod wgsl;
 
 pub use module::Module;

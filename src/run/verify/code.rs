@@ -13,7 +13,7 @@ use crate::run::Module;
 use crate::run::probe::plan::{Access, Plan};
 use crate::run::probe::{glsl, wgsl};
 use crate::run::reader::{Failure, FailureKind, StageCode};
-use crate::shape::{AddressSpace, Rules};
+use crate::shape::{AddressSpace, ArrayLen, Rules};
 use crate::source::{Language, Source, Stage};
 use crate::{Diagnostic, Options, layout};
 
@@ -238,14 +238,24 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
 
 /// Where the probed block is bound in the module.
 fn bound(module: &Module, block: &BlockLayout, element: &[u32]) -> Result<Bound, Failure> {
+    let nth = nth_buffer(block, element);
     let found = module.blocks().iter().find(|other| {
         other.layout.name == block.name
             && other.layout.instance == block.instance
-            && other.element == element
+            && other.element == nth
     });
     let found =
         found.ok_or_else(|| failure(format!("the module has no block `{}`", block.name)))?;
     Ok(Bound { name: block.name.to_string(), group: found.group, binding: found.binding })
+}
+
+/// Which buffer of an array of blocks, counted through all dimensions.
+fn nth_buffer(block: &BlockLayout, element: &[u32]) -> Option<u32> {
+    let counted = element.iter().zip(&block.count).fold(0, |sum, (index, len)| match len {
+        ArrayLen::Fixed(length) => sum * length + index,
+        ArrayLen::Runtime | ArrayLen::Override(_) => sum,
+    });
+    (!block.count.is_empty()).then_some(counted)
 }
 
 fn failure(message: String) -> Failure {
