@@ -64,7 +64,7 @@ pub enum Grid {
 }
 
 /// What the components of an image are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Texel {
     /// 32-bit floats.
     Float,
