@@ -16,5 +16,7 @@ pub mod gpu;
 mod limits;
 pub mod module;
 pub mod reader;
+#[cfg(any(feature = "gl", feature = "gpu"))]
+pub mod remote;
 
 pub use module::Module;
