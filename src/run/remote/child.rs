@@ -93,11 +93,6 @@ impl Process {
         self.child.id()
     }
 
-    /// Whether it has ended by itself.
-    pub(super) fn ended(&mut self) -> bool {
-        !matches!(self.child.try_wait(), Ok(None))
-    }
-
     pub(super) fn send(&self, frame: Frame) {
         // If the thread that writes is gone, so is the process.
         let _ = self.to.send(frame);

@@ -115,10 +115,11 @@ impl Remote {
 
     /// The process, a new one if the last has ended.
     fn session(&mut self) -> Result<&mut Session, Failure> {
-        let mut last = self.session.take();
-        if last.as_mut().is_some_and(|session| session.process.ended()) {
-            last = None;
-        }
+        // Asked first, so that a job is not blamed for what came before it.
+        let last = self
+            .session
+            .take()
+            .and_then(|mut session| session.device(&self.launch).ok().map(|_| session));
         let session = match last {
             Some(session) => session,
             None => {
@@ -175,8 +176,13 @@ impl Session {
 
     fn open(launch: &Launch) -> Result<(Session, Device), Failure> {
         let mut session = Session::start(launch)?;
-        match session.ask(&Ask::Open, Frame::default(), launch.opening)?.0 {
-            Reply::Opened(device) => Ok((session, device.device().map_err(garbled)?)),
+        let device = session.device(launch)?;
+        Ok((session, device))
+    }
+
+    fn device(&mut self, launch: &Launch) -> Result<Device, Failure> {
+        match self.ask(&Ask::Open, Frame::default(), launch.opening)?.0 {
+            Reply::Opened(device) => device.device().map_err(garbled),
             other => Err(unexpected(other)),
         }
     }
