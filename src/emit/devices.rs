@@ -84,18 +84,19 @@ pub fn json(found: &[Found]) -> String {
 }
 
 enum Row<'a> {
-    There([String; COLUMNS]),
+    There(Vec<String>),
     Missing(&'a Failure),
 }
 
 impl Row<'_> {
+    /// As many cells as there are columns.
     fn of(found: &Found) -> Row<'_> {
         let (device, limits) = match &found.outcome {
             Ok(there) => there,
             Err(failure) => return Row::Missing(failure),
         };
         let number = |limit: Option<u64>| limit.map_or("-".to_string(), |limit| limit.to_string());
-        Row::There([
+        Row::There(vec![
             found.reader.to_string(),
             if found.kind.is_empty() { "-".to_string() } else { found.kind.clone() },
             device.adapter.clone(),

@@ -95,8 +95,8 @@ impl Open {
 
 /// The innermost of the reasons wgpu lists, one a line, outermost first.
 fn first_reason(description: &str) -> String {
-    let lines = description.lines().map(str::trim).filter(|line| !line.is_empty());
-    lines.last().unwrap_or("it says no more").to_string()
+    let mut lines = description.lines().map(str::trim).filter(|line| !line.is_empty());
+    lines.next_back().unwrap_or("it says no more").to_string()
 }
 
 fn lock(said: &Mutex<Said>) -> std::sync::MutexGuard<'_, Said> {
