@@ -3,13 +3,16 @@
 //!
 //! Needs a driver (Debian packages `libegl1` and `libgl1-mesa-dri`); a missing one fails.
 
+#[path = "support/files.rs"]
+mod files;
 #[path = "support/jobs.rs"]
 mod jobs;
 
+use files::shaders;
 use jobs::{bound, bytes, counting, glsl, job, output, storage, uniform, words};
-use landfall::Stage;
-use landfall::run::gl::{ContextKind, Gl};
+use landfall::run::gl::{ContextKind, Gl, ReflectedBlock, ReflectedMember};
 use landfall::run::reader::{FailureKind, Grid, Job, Reader as _, ResourceKind, Texel};
+use landfall::{BlockLayout, Leaf, Options, Source, Stage, layout};
 
 fn open() -> Gl {
     Gl::open().unwrap_or_else(|failure| panic!("{failure}"))
@@ -255,5 +258,171 @@ fn every_kind_of_context_is_listed() {
         assert!(!device.adapter.is_empty() && !device.version.is_empty());
         // OpenGL 4.6 table 23.64 and ES 3.2 table 21.40 ask for no less.
         assert!(limits.uniform_block_size.unwrap() >= 16384);
+    }
+}
+
+/// What OpenGL has no word for, or Mesa 22.3 no support.
+const VULKAN: [&str; 5] = ["texture2D ", "push_constant", "constant_id", "#extension", "VULKAN"];
+
+/// Mesa 22.3.6 takes the `readonly` of a member for that of the whole block.
+const REFUSED: (&str, &str) = ("memory_qualifiers.comp", "read-only");
+
+/// Texts that OpenGL takes once no descriptor set is named; nothing is put in for an
+/// `#include`.
+fn for_opengl() -> Vec<Source> {
+    let all = shaders().into_iter().map(|path| {
+        let mut source = Source::read(&path).unwrap();
+        let text = (0..4)
+            .fold(source.text.to_string(), |text, set| text.replace(&format!("set = {set}, "), ""));
+        source.text = text.into();
+        source
+    });
+    let ours = |source: &Source| {
+        let text: &str = &source.text;
+        source.stage.is_some()
+            && !text.contains("#include")
+            && !VULKAN.iter().any(|word| text.contains(word))
+    };
+    all.filter(ours).collect()
+}
+
+/// `data[1].w[0]` is `data[].w[]` at 1, and at nothing more if the array is listed whole.
+fn pattern(member: &ReflectedMember) -> (String, Vec<u64>) {
+    let (mut path, mut indices) = (String::new(), Vec::new());
+    for (at, piece) in member.name.split('[').enumerate() {
+        let (index, rest) = if at == 0 { ("", piece) } else { piece.split_once(']').unwrap() };
+        if at > 0 {
+            path.push_str("[]");
+            indices.push(index.parse().unwrap());
+        }
+        path.push_str(rest);
+    }
+    (path, indices)
+}
+
+fn agree(file: &str, block: &BlockLayout, theirs: &ReflectedBlock) -> usize {
+    let whole = format!("{file} {}", theirs.name);
+    // Mesa rounds storage blocks up to 16 bytes too, and counts one element of a runtime tail.
+    if block.space == landfall::AddressSpace::Uniform {
+        assert_eq!(block.size, Some(theirs.size), "{whole}");
+    }
+    for member in &theirs.members {
+        let (path, indices) = pattern(member);
+        let leaf: Option<&Leaf> = block.leaves.iter().find(|leaf| leaf.path == path);
+        let leaf = leaf.unwrap_or_else(|| panic!("{whole}: no leaf {path}"));
+        let steps: u64 = indices.iter().zip(&leaf.strides).map(|(i, stride)| i * stride).sum();
+        assert_eq!(leaf.offset.map(|o| o + steps), Some(member.offset), "{whole} {}", member.name);
+        if member.array_stride > 0 {
+            assert_eq!(leaf.strides.last(), Some(&member.array_stride), "{whole} {}", member.name);
+        }
+        if let Some((_, stride)) = member.top_level {
+            assert_eq!(leaf.strides.first(), Some(&stride), "{whole} {}", member.name);
+        }
+        assert_eq!(leaf.matrix_stride.unwrap_or(0), member.matrix_stride, "{whole} {path}");
+        if leaf.matrix_stride.is_some() {
+            assert_eq!(leaf.row_major, member.row_major, "{whole} {path}");
+        }
+    }
+    for leaf in &block.leaves {
+        let listed = theirs.members.iter().any(|member| pattern(member).0 == leaf.path);
+        assert!(listed, "{whole}: the driver has no {}", leaf.path);
+    }
+    theirs.members.len()
+}
+
+#[test]
+fn the_driver_puts_the_members_of_the_repositorys_shaders_where_landfall_does() {
+    let mut gl = open();
+    let (mut blocks, mut storage, mut members, mut texts) = (0, 0, 0, 0);
+    for source in for_opengl() {
+        let ours = layout(&source, &Options::default());
+        let stage = source.stage.unwrap();
+        let theirs = gl.reflect(&[(stage, &source.text)]);
+        if source.path.ends_with(REFUSED.0) {
+            assert!(theirs.is_err_and(|failure| failure.log.contains(REFUSED.1)));
+            continue;
+        }
+        let theirs = theirs.unwrap_or_else(|e| panic!("{}: {e}", source.path));
+        texts += 1;
+        for block in ours.blocks.iter().filter(|block| block.rules_declared) {
+            let all = theirs.uniform_blocks.iter().chain(&theirs.storage_blocks);
+            // Those of an array may list their members with the first only.
+            let here = |b: &&ReflectedBlock| {
+                b.name.split('[').next() == Some(&*block.name) && !b.members.is_empty()
+            };
+            let Some(theirs) = all.clone().find(here) else {
+                panic!("{}: the driver has no block {}", source.path, block.name)
+            };
+            members += agree(&source.path, block, theirs);
+            blocks += 1;
+            storage += usize::from(block.space == landfall::AddressSpace::Storage);
+        }
+    }
+    let counts = [texts, blocks, storage, members];
+    assert!(
+        counts.iter().zip([30, 20, 3, 2000]).all(|(count, least)| *count >= least),
+        "{counts:?}"
+    );
+}
+
+#[test]
+fn loose_uniforms_are_listed_by_path_and_type() {
+    let text = "#version 120
+struct Light { vec3 pos; float k[2]; };
+uniform Light lights[2]; uniform mat3 turn; uniform samplerCube sky;
+void main() {
+  gl_FragColor = vec4(turn * (lights[0].pos + lights[1].pos), lights[1].k[1])
+    + textureCube(sky, lights[0].pos * lights[0].k[0]);
+}";
+    let reflection = open().reflect(&[(Stage::Fragment, text)]).unwrap();
+    let mut found: Vec<(&str, &str, u64)> = reflection
+        .uniforms
+        .iter()
+        .map(|u| (u.name.as_str(), u.ty.as_str(), u.array_size))
+        .collect();
+    found.sort_unstable();
+    let expected = [
+        ("lights[0].k[0]", "float", 2),
+        ("lights[0].pos", "vec3", 1),
+        ("lights[1].k[0]", "float", 2),
+        ("lights[1].pos", "vec3", 1),
+        ("sky", "samplerCube", 1),
+        ("turn", "mat3", 1),
+    ];
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn a_lone_stage_with_inputs_is_reflected_in_every_version() {
+    for (line, stage, text) in [
+        (
+            "#version 110",
+            Stage::Fragment,
+            "varying vec3 v; uniform float x; void main() { gl_FragColor = vec4(v, x); }",
+        ),
+        (
+            "#version 100",
+            Stage::Fragment,
+            "precision mediump float; varying vec3 v; uniform float x; void main() { gl_FragColor = vec4(v, x); }",
+        ),
+        (
+            "#version 330",
+            Stage::Vertex,
+            "in vec4 p; out vec4 v; uniform float x; void main() { v = p; gl_Position = p * x; }",
+        ),
+        (
+            "#version 300 es",
+            Stage::Vertex,
+            "in vec4 p; out vec4 v; uniform float x; void main() { v = p; gl_Position = p * x; }",
+        ),
+        (
+            "#version 430",
+            Stage::Compute,
+            "layout(local_size_x = 1) in; uniform float x; buffer O { float o; }; void main() { o = x; }",
+        ),
+    ] {
+        let reflection = open().reflect(&[(stage, &format!("{line}\n{text}"))]);
+        let reflection = reflection.unwrap_or_else(|e| panic!("{line}: {e}"));
+        assert!(reflection.uniforms.iter().any(|uniform| uniform.name == "x"), "{line}");
     }
 }

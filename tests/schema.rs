@@ -109,6 +109,33 @@ fn explanations_keep_to_their_schema() {
 }
 
 #[test]
+fn devices_keep_to_their_schema_whether_they_are_there_or_not() {
+    let validator = validator("devices");
+    for drivers in [None, Some("/nonexistent")] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+        command.args(["devices", "--format", "json"]);
+        if let Some(drivers) = drivers {
+            command.env("VK_DRIVER_FILES", drivers).env("__EGL_VENDOR_LIBRARY_FILENAMES", drivers);
+        }
+        let output = command.output().expect("the binary was built for this test");
+        assert!(output.status.success() && output.stderr.is_empty());
+        let text = String::from_utf8(output.stdout).unwrap();
+        let value = holds(&validator, &text, "devices");
+        let readers: Vec<&str> = value["devices"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(|d| d["reader"].as_str())
+            .collect();
+        assert!(readers.contains(&"cpu") && readers.contains(&"gl") && readers.contains(&"gpu"));
+        let vulkan = value["devices"].as_array().unwrap().iter().find(|d| d["kind"] == "vulkan");
+        if cfg!(feature = "gpu") {
+            assert_eq!(vulkan.unwrap()["available"], drivers.is_none());
+        }
+    }
+}
+
+#[test]
 fn findings_keep_to_their_schema() {
     let folder = folder("diagnostic");
     let file = folder.join("bad.frag");

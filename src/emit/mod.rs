@@ -7,6 +7,7 @@
 
 pub mod c;
 mod csv;
+pub mod devices;
 pub mod diagnostics;
 mod expand;
 pub mod explain;
@@ -46,6 +47,9 @@ pub const EXPLAIN_SCHEMA: &str = include_str!("schema/explain.json");
 
 /// JSON Schema (draft 2020-12) of the JSON report of `check`.
 pub const CHECK_SCHEMA: &str = include_str!("schema/check.json");
+
+/// JSON Schema (draft 2020-12) of the JSON output of `devices`.
+pub const DEVICES_SCHEMA: &str = include_str!("schema/devices.json");
 
 /// A form layouts are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

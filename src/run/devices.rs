@@ -17,6 +17,27 @@ pub struct Found {
     pub outcome: Result<(Device, Limits), Failure>,
 }
 
+impl Found {
+    /// A reader that this build was made without.
+    pub fn not_built(reader: &'static str) -> Found {
+        let message =
+            format!("this build has no reader `{reader}`: it lacks the cargo feature `{reader}`");
+        Found { reader, kind: String::new(), outcome: Err(Failure::missing(message, "")) }
+    }
+}
+
+/// The evaluator, which is always there.
+pub fn cpu() -> Found {
+    let device = Device {
+        reader: "cpu",
+        adapter: "evaluator".to_string(),
+        driver: env!("CARGO_PKG_NAME").to_string(),
+        version: env!("CARGO_PKG_VERSION").to_string(),
+        software: true,
+    };
+    Found { reader: "cpu", kind: String::new(), outcome: Ok((device, Limits::default())) }
+}
+
 /// What a device takes at most; `None` where it has no such thing or sets no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {

@@ -4,6 +4,7 @@
 //! are ours. [`reader`] says what it is to run one: a job in, words out. The
 //! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`.
 
+mod bare;
 pub mod devices;
 pub mod eval;
 #[cfg(feature = "gl")]
@@ -18,5 +19,7 @@ pub mod probe;
 pub mod reader;
 pub mod verify;
 mod wgsl;
+#[cfg(any(feature = "gl", feature = "gpu"))]
+pub mod remote;
 
 pub use module::Module;

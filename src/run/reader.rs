@@ -7,6 +7,8 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::run::Module;
 use crate::source::Stage;
 
@@ -39,7 +41,7 @@ pub struct StageCode {
 }
 
 /// How often a job runs, and what comes back besides the writable buffers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Grid {
     /// Compute: so many workgroups; the results are in writable buffers.
     Groups([u32; 3]),
@@ -64,7 +66,7 @@ pub enum Grid {
 }
 
 /// What the components of an image are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Texel {
     /// 32-bit floats.
     Float,
@@ -137,7 +139,7 @@ pub struct Device {
 }
 
 /// Why a job has no answer.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
     /// What kind of failure.
     pub kind: FailureKind,
@@ -148,7 +150,7 @@ pub struct Failure {
 }
 
 /// The kinds of [`Failure`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FailureKind {
     /// There is no such reader here.
     Missing,

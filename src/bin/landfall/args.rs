@@ -38,8 +38,14 @@ pub enum Command {
     Encode(EncodeArgs),
     /// Turn the bytes of a block into a table or JSON, and flag what looks wrong
     Decode(DecodeArgs),
+    /// List what can run a shader here, and how much it takes
+    Devices(DevicesArgs),
     /// Print the JSON Schema of an output
     Schema(SchemaArgs),
+    /// Run jobs for the process at the other end of stdin and stdout
+    #[cfg(any(feature = "gl", feature = "gpu"))]
+    #[command(hide = true)]
+    Reader(ReaderArgs),
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -206,6 +212,38 @@ pub enum PortTo {
 }
 
 #[derive(Debug, clap::Args)]
+pub struct DevicesArgs {
+    /// Form of the output
+    #[arg(short, long, value_name = "FORMAT", default_value = "table")]
+    pub format: DevicesFormat,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DevicesFormat {
+    /// Columns for the eye
+    Table,
+    /// JSON as `landfall schema devices` describes it
+    Json,
+}
+
+#[cfg(any(feature = "gl", feature = "gpu"))]
+#[derive(Debug, clap::Args)]
+pub struct ReaderArgs {
+    /// The driver to load
+    pub driver: ReaderDriver,
+    /// Part of the name of the adapter, or of its backend
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+#[cfg(any(feature = "gl", feature = "gpu"))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReaderDriver {
+    Gl,
+    Gpu,
+}
+
+#[derive(Debug, clap::Args)]
 pub struct SchemaArgs {
     /// Of which output
     pub of: Schema,
@@ -219,6 +257,8 @@ pub enum Schema {
     Explain,
     /// check --format json
     Check,
+    /// devices --format json
+    Devices,
     /// Findings on stderr with --format json, one a line
     Diagnostic,
 }

@@ -5,6 +5,7 @@
 
 mod args;
 mod decode;
+mod devices;
 mod emit;
 mod encode;
 mod explain;
@@ -13,6 +14,8 @@ mod layout;
 mod output;
 mod port;
 mod read;
+#[cfg(any(feature = "gl", feature = "gpu"))]
+mod reader;
 mod schema;
 mod shader;
 mod work;
@@ -33,7 +36,10 @@ fn main() -> ExitCode {
         Command::Port(args) => port::run(args, &streams),
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
+        Command::Devices(args) => devices::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
+        #[cfg(any(feature = "gl", feature = "gpu"))]
+        Command::Reader(args) => reader::run(args),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
         Ok(outcome) => outcome.into(),

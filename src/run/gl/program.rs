@@ -154,7 +154,8 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
 /// Whether a stage is missing that a program without separation would need.
 fn alone(texts: &[(Stage, &str)]) -> bool {
     let has = |stage| texts.iter().any(|text| text.0 == stage);
-    !has(Stage::Compute) && !(has(Stage::Vertex) && has(Stage::Fragment))
+    let pair = has(Stage::Vertex) && has(Stage::Fragment);
+    !pair && !has(Stage::Compute)
 }
 
 fn kind(stage: Stage) -> Result<u32, Failure> {

@@ -1,0 +1,43 @@
+//! `landfall devices`: what can run a shader here. Each driver is opened in a process of
+//! its own, so one that crashes is a line of the table and not the end of it.
+
+use landfall::emit::devices::{json, table};
+use landfall::run::devices::{Found, cpu};
+
+use crate::args::{DevicesArgs, DevicesFormat};
+use crate::output::{Failure, Outcome, Streams};
+
+pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let mut found = vec![cpu()];
+    found.extend(drivers());
+    streams.product(&match args.format {
+        DevicesFormat::Table => table(&found, streams.paint),
+        DevicesFormat::Json => json(&found),
+    })?;
+    Ok(Outcome::Clean)
+}
+
+#[cfg(any(feature = "gl", feature = "gpu"))]
+fn drivers() -> Vec<Found> {
+    use landfall::run::reader::Failure;
+    use landfall::run::remote::{Behind, Launch, list};
+
+    let ask = |(reader, behind): (&'static str, Behind)| {
+        let found = match std::env::current_exe() {
+            Ok(program) => list(&Launch::new(program, &behind)),
+            Err(cause) => {
+                let message = "the path of this program is not to be had, to start it again";
+                Err(Failure::missing(message, cause.to_string()))
+            }
+        };
+        found.unwrap_or_else(|failure| {
+            vec![Found { reader, kind: String::new(), outcome: Err(failure) }]
+        })
+    };
+    [("gl", Behind::Gl), ("gpu", Behind::Gpu(None))].into_iter().flat_map(ask).collect()
+}
+
+#[cfg(not(any(feature = "gl", feature = "gpu")))]
+fn drivers() -> Vec<Found> {
+    ["gl", "gpu"].map(Found::not_built).into()
+}

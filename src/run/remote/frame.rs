@@ -1,0 +1,139 @@
+//! Messages between a process and the one that runs its jobs: JSON with blobs of bytes
+//! beside it, since bytes in JSON are long and slow.
+
+use std::io::{self, Read, Write};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// What a message begins with. A driver may print to stdout: that is skipped up to here.
+const MAGIC: [u8; 8] = *b"\x01lndfall";
+
+/// A message in the making, or one that has come.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(super) struct Frame {
+    /// JSON.
+    header: Vec<u8>,
+    blobs: Vec<Vec<u8>>,
+}
+
+/// A blob's place in its message.
+pub(super) type Blob = usize;
+
+impl Frame {
+    /// Puts bytes beside the header.
+    pub(super) fn put(&mut self, bytes: Vec<u8>) -> Blob {
+        self.blobs.push(bytes);
+        self.blobs.len() - 1
+    }
+
+    /// Takes the bytes at a place, once.
+    pub(super) fn take(&mut self, blob: Blob) -> io::Result<Vec<u8>> {
+        self.blobs.get_mut(blob).map(std::mem::take).ok_or_else(|| invalid("no such blob"))
+    }
+
+    /// The message with that header.
+    pub(super) fn with(mut self, header: &impl Serialize) -> io::Result<Frame> {
+        self.header = serde_json::to_vec(header)?;
+        Ok(self)
+    }
+
+    /// What the header says.
+    pub(super) fn header<T: DeserializeOwned>(&self) -> io::Result<T> {
+        Ok(serde_json::from_slice(&self.header)?)
+    }
+
+    pub(super) fn write(&self, to: &mut impl Write) -> io::Result<()> {
+        to.write_all(&MAGIC)?;
+        for length in [self.header.len(), self.blobs.len()] {
+            to.write_all(&(length as u64).to_le_bytes())?;
+        }
+        for blob in &self.blobs {
+            to.write_all(&(blob.len() as u64).to_le_bytes())?;
+        }
+        to.write_all(&self.header)?;
+        for blob in &self.blobs {
+            to.write_all(blob)?;
+        }
+        to.flush()
+    }
+
+    /// The next message; `None` at the end.
+    pub(super) fn read(from: &mut impl Read) -> io::Result<Option<Frame>> {
+        let mut matched = 0;
+        while matched < MAGIC.len() {
+            let mut byte = [0];
+            if from.read(&mut byte)? == 0 {
+                return Ok(None);
+            }
+            matched = match byte[0] {
+                byte if byte == MAGIC[matched] => matched + 1,
+                // The first byte is in no other place of it.
+                byte => usize::from(byte == MAGIC[0]),
+            };
+        }
+        let header = length(from)?;
+        let blobs = length(from)?;
+        let lengths: io::Result<Vec<u64>> = (0..blobs).map(|_| length(from)).collect();
+        let header = bytes(from, header)?;
+        let blobs: io::Result<Vec<Vec<u8>>> =
+            lengths?.into_iter().map(|length| bytes(from, length)).collect();
+        Ok(Some(Frame { header, blobs: blobs? }))
+    }
+}
+
+fn length(from: &mut impl Read) -> io::Result<u64> {
+    let mut eight = [0; 8];
+    from.read_exact(&mut eight)?;
+    Ok(u64::from_le_bytes(eight))
+}
+
+/// So many bytes, without room made for them before they come.
+fn bytes(from: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    from.take(length).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 == length { Ok(bytes) } else { Err(invalid("a message broke off")) }
+}
+
+pub(super) fn invalid(what: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_come_out_as_they_went_in_whatever_a_driver_prints_between() {
+        let mut first = Frame::default();
+        assert_eq!((first.put(vec![1, 2, 3]), first.put(Vec::new())), (0, 1));
+        let first = first.with(&"first").unwrap();
+        let second = Frame::default().with(&[2, 3]).unwrap();
+        let mut stream = b"warning: \x01\x01lnd\n".to_vec();
+        first.write(&mut stream).unwrap();
+        stream.extend(b"deprecated \x01");
+        second.write(&mut stream).unwrap();
+        let mut from = &stream[..];
+        let mut read = Frame::read(&mut from).unwrap().unwrap();
+        assert_eq!(read, first);
+        assert_eq!(read.header::<String>().unwrap(), "first");
+        assert_eq!(read.take(0).unwrap(), [1, 2, 3]);
+        assert!(read.take(2).is_err());
+        assert_eq!(Frame::read(&mut from).unwrap().unwrap(), second);
+        assert_eq!(Frame::read(&mut from).unwrap(), None);
+    }
+
+    #[test]
+    fn a_message_that_breaks_off_is_an_error() {
+        let mut frame = Frame::default();
+        frame.put(vec![7; 100]);
+        let mut stream = Vec::new();
+        frame.with(&"cut").unwrap().write(&mut stream).unwrap();
+        for cut in [8, 20, 60, stream.len() - 1] {
+            assert!(Frame::read(&mut &stream[..cut]).is_err(), "{cut}");
+        }
+        // A length that no memory holds is not believed.
+        stream[8..16].fill(0xFF);
+        assert!(Frame::read(&mut &stream[..]).is_err());
+    }
+}
