@@ -113,15 +113,16 @@ fn limits(target: Target) -> Limits {
 
 /// Components of loose uniforms a stage may have; none in Vulkan and WebGPU, which have no such.
 fn loose_components(target: Target, stage: Stage) -> Option<u64> {
-    match (target, stage) {
+    let stages: &[(Stage, u64)] = match target {
         // OpenGL 3.3: MAX_VERTEX_, MAX_GEOMETRY_ and MAX_FRAGMENT_UNIFORM_COMPONENTS.
-        (Target::Gl33, Stage::Vertex | Stage::Geometry | Stage::Fragment) => Some(1024),
+        Target::Gl33 => {
+            &[(Stage::Vertex, 1024), (Stage::Geometry, 1024), (Stage::Fragment, 1024)]
+        }
         // OpenGL ES 3.0: 256 vectors and 224 vectors.
-        (Target::Gles30 | Target::WebGl2, Stage::Vertex) => Some(1024),
-        (Target::Gles30 | Target::WebGl2, Stage::Fragment) => Some(896),
-        (Target::Gl33 | Target::Gles30 | Target::WebGl2, _) => None,
-        (Target::WebGpu | Target::Vulkan, _) => None,
-    }
+        Target::Gles30 | Target::WebGl2 => &[(Stage::Vertex, 1024), (Stage::Fragment, 896)],
+        Target::WebGpu | Target::Vulkan => &[],
+    };
+    stages.iter().find(|row| row.0 == stage).map(|row| row.1)
 }
 
 fn title(target: Target) -> &'static str {

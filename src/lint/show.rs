@@ -5,7 +5,7 @@
 use crate::emit::{self, EmitOptions, Format};
 use crate::layout::BlockLayout;
 use crate::shape::AddressSpace;
-use crate::source::{Files, Span};
+use crate::source::{Files, Language, Span, Target};
 use crate::{Options, ShaderLayout};
 
 use super::{Place, Subject};
@@ -60,4 +60,28 @@ pub(super) fn is_declared(block: &BlockLayout, options: &Options) -> bool {
 /// Whether that is what the block, or its instance, is called.
 pub(super) fn is_called(block: &BlockLayout, name: &str) -> bool {
     *block.name == *name || block.instance.as_deref() == Some(name)
+}
+
+/// Whether a GLSL text would do for Vulkan as it stands: its version, a binding on every block,
+/// no loose uniforms. Nothing in it need say that it is Vulkan's.
+pub(super) fn may_be_vulkan(subject: &Subject<'_>) -> bool {
+    if subject.shader.language != Language::Glsl {
+        return false;
+    }
+    match subject.options.read.target {
+        Some(Target::Vulkan) => return true,
+        Some(Target::OpenGl) => return false,
+        None => {}
+    }
+    let version = subject.source.text.split_once("#version").map_or("", |(_, rest)| rest);
+    let number: String = version.trim_start().chars().take_while(char::is_ascii_digit).collect();
+    let bound = |block: &BlockLayout| match block.space {
+        AddressSpace::Uniform | AddressSpace::Storage => block.binding.is_some(),
+        AddressSpace::PushConstant
+        | AddressSpace::BufferReference
+        | AddressSpace::ShaderRecord => true,
+        AddressSpace::Default => false,
+    };
+    number.parse().is_ok_and(|number: u32| number >= 450)
+        && subject.shader.blocks.iter().all(bound)
 }
