@@ -22,7 +22,7 @@ pub(super) const LINT: Lint = Lint {
           Stages of one program (same directory, same file name but for the stage): blocks of one \
           name, and uniform blocks of one group and binding that read a byte differently. Files \
           of one directory: blocks of one name, slot and rules that share at least three members \
-          and two thirds of all; fewer are two blocks that happen to be called `Params`. Mirror \
+          and two thirds of all, by name and type; fewer are two blocks that happen to be called `Params`. Mirror \
           groups of the configuration: whatever it names, wherever it is. A copy that declares \
           only the first members of another is fine between programs, and in Vulkan, but does \
           not link in OpenGL. Blocks of one name in different directories are not compared: \
@@ -105,15 +105,20 @@ fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
         let (here, there) = (a.view(), b.view());
         let found = differences(&here, &there);
         if may_be_vulkan(a.subject) && may_be_vulkan(b.subject) {
-            // Names are not looked at in Vulkan, and a stage may declare fewer members.
-            return is_head(&here, &there) || found.iter().all(|d| d.cosmetic);
+            // Names are not looked at in Vulkan, slots are, and a stage may declare fewer members.
+            let slot = |copy: &Copy<'_>| (copy.block.group.unwrap_or(0), copy.block.binding);
+            return slot(a) != slot(b)
+                || is_head(&here, &there)
+                || found.iter().all(|d| d.cosmetic);
         }
         found.is_empty()
     };
     let mut found: Vec<Finding> =
         named.values().flat_map(|copies| odd_ones_out(copies, links)).collect();
     let agree = |a: &Copy<'_>, b: &Copy<'_>| {
-        a.block.name == b.block.name || !collide(&a.view(), &b.view())
+        // Within one stage two blocks of one slot are two views of a buffer, made on purpose.
+        let one_stage = std::ptr::eq(a.subject, b.subject);
+        one_stage || a.block.name == b.block.name || !collide(&a.view(), &b.view())
     };
     found.extend(slots.values().flat_map(|copies| odd_ones_out(copies, agree)));
     found
@@ -139,7 +144,9 @@ fn by_directory(subjects: &[Subject<'_>]) -> Vec<Finding> {
     }
     let agree = |a: &Copy<'_>, b: &Copy<'_>| {
         let (here, there) = (a.view(), b.view());
-        let shared = here.leaves.iter().filter(|x| there.leaves.iter().any(|y| x.name == y.name));
+        let shared = here.leaves.iter().filter(|x| {
+            there.leaves.iter().any(|y| x.name == y.name && x.leaf.ty == y.leaf.ty)
+        });
         let shared = shared.count();
         let most = here.leaves.len().max(there.leaves.len());
         let is_copy = shared >= 3 && shared * 3 >= most * 2;
