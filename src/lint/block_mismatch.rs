@@ -10,7 +10,7 @@ use super::show::{counted, is_declared, listing, may_be_vulkan, place};
 use super::{Check, Finding, Level, Lint, Settings, Subject};
 use crate::layout::BlockLayout;
 use crate::shape::AddressSpace;
-use compare::{Difference, View, collide, differences, is_head, view};
+use compare::{Difference, View, alike, collide, differences, is_head, shared, view};
 use program::{Program, program};
 
 pub(super) const LINT: Lint = Lint {
@@ -104,23 +104,28 @@ fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
     let links = |a: &Copy<'_>, b: &Copy<'_>| {
         let (here, there) = (a.view(), b.view());
         let found = differences(&here, &there);
-        if may_be_vulkan(a.subject) && may_be_vulkan(b.subject) {
-            // Names are not looked at in Vulkan, slots are, and a stage may declare fewer members.
-            let slot = |copy: &Copy<'_>| (copy.block.group.unwrap_or(0), copy.block.binding);
-            return slot(a) != slot(b)
-                || is_head(&here, &there)
-                || found.iter().all(|d| d.cosmetic);
+        let slot = |copy: &Copy<'_>| (copy.block.group.unwrap_or(0), copy.block.binding);
+        // Names are not looked at in Vulkan, slots are, and a stage may declare fewer members.
+        let vulkan = may_be_vulkan(a.subject) && may_be_vulkan(b.subject);
+        let fine = is_head(&here, &there) || found.iter().all(|d| d.cosmetic);
+        match vulkan {
+            true if slot(a) != slot(b) => Relation::None,
+            true if fine => Relation::Same,
+            false if found.is_empty() => Relation::Same,
+            true | false => Relation::Differs,
         }
-        found.is_empty()
     };
     let mut found: Vec<Finding> =
         named.values().flat_map(|copies| odd_ones_out(copies, links)).collect();
-    let agree = |a: &Copy<'_>, b: &Copy<'_>| {
+    let reads = |a: &Copy<'_>, b: &Copy<'_>| {
         // Within one stage two blocks of one slot are two views of a buffer, made on purpose.
         let one_stage = std::ptr::eq(a.subject, b.subject);
-        one_stage || a.block.name == b.block.name || !collide(&a.view(), &b.view())
+        match one_stage || a.block.name == b.block.name || !collide(&a.view(), &b.view()) {
+            true => Relation::Same,
+            false => Relation::Differs,
+        }
     };
-    found.extend(slots.values().flat_map(|copies| odd_ones_out(copies, agree)));
+    found.extend(slots.values().flat_map(|copies| odd_ones_out(copies, reads)));
     found
 }
 
@@ -142,40 +147,74 @@ fn by_directory(subjects: &[Subject<'_>]) -> Vec<Finding> {
         );
         groups.entry(key).or_default().push(copy);
     }
-    let agree = |a: &Copy<'_>, b: &Copy<'_>| {
+    let relation = |a: &Copy<'_>, b: &Copy<'_>| {
         let (here, there) = (a.view(), b.view());
-        let shared = here.leaves.iter().filter(|x| {
-            there.leaves.iter().any(|y| x.name == y.name && x.leaf.ty == y.leaf.ty)
-        });
-        let shared = shared.count();
+        let shared = shared(&here, &there);
         let most = here.leaves.len().max(there.leaves.len());
-        let is_copy = shared >= 3 && shared * 3 >= most * 2;
-        !is_copy
-            || is_head(&here, &there)
-            || differences(&here, &there).iter().all(|d| d.cosmetic)
+        if shared < 3 || shared * 3 < most * 2 {
+            return Relation::None;
+        }
+        match is_head(&here, &there) || differences(&here, &there).iter().all(|d| d.cosmetic) {
+            true => Relation::Same,
+            false => Relation::Differs,
+        }
     };
-    groups.values().flat_map(|copies| odd_ones_out(copies, agree)).collect()
+    groups.values().flat_map(|copies| odd_ones_out(copies, relation)).collect()
 }
+
+/// What two declarations are to each other.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Relation {
+    /// Copies that agree.
+    Same,
+    /// Copies that do not.
+    Differs,
+    /// Two blocks that share a name.
+    None,
+}
+
+/// Ways of declaring one block; a name that is declared in more is no block's in particular.
+const MOST_WAYS: usize = 8;
+
+/// Blocks of one name in one place that have nothing to do with each other.
+const MOST_FAMILIES: usize = 8;
 
 /// A finding for each way of declaring a block that does not agree with the most common one.
 fn odd_ones_out<'a>(
     copies: &[Copy<'a>],
-    agree: impl Fn(&Copy<'a>, &Copy<'a>) -> bool,
+    relation: impl Fn(&Copy<'a>, &Copy<'a>) -> Relation,
 ) -> Vec<Finding> {
-    let mut ways: Vec<Vec<Copy<'a>>> = Vec::new();
+    let relation = |a: &Copy<'a>, b: &Copy<'a>| match alike(a.block, b.block) {
+        true => Relation::Same,
+        false => relation(a, b),
+    };
+    let mut families: Vec<Vec<Vec<Copy<'a>>>> = Vec::new();
     for copy in copies {
-        match ways.iter_mut().find(|way| agree(copy, &way[0])) {
-            Some(way) => way.push(*copy),
-            None => ways.push(vec![*copy]),
+        let room = families.len() < MOST_FAMILIES;
+        let of = families.iter_mut().find_map(|ways| {
+            let same = ways.iter().position(|way| relation(copy, &way[0]) == Relation::Same);
+            let known = same.is_some() || relation(copy, &ways[0][0]) == Relation::Differs;
+            known.then_some((ways, same))
+        });
+        match of {
+            Some((ways, Some(same))) => ways[same].push(*copy),
+            Some((ways, None)) if ways.len() <= MOST_WAYS => ways.push(vec![*copy]),
+            Some((_, None)) => {}
+            None if room => families.push(vec![vec![*copy]]),
+            None => {}
         }
     }
-    let Some(usual) = ways.iter().enumerate().max_by_key(|(at, way)| (way.len(), usize::MAX - at))
-    else {
+    families.retain(|ways| ways.len() <= MOST_WAYS);
+    families.iter().flat_map(|ways| odd_ways(ways)).collect()
+}
+
+fn odd_ways(ways: &[Vec<Copy<'_>>]) -> Vec<Finding> {
+    let sizes = ways.iter().enumerate();
+    let Some((usual, there)) = sizes.max_by_key(|(at, way)| (way.len(), ways.len() - at)) else {
         return Vec::new();
     };
-    let (usual_at, there) = (usual.0, usual.1[0]);
-    let odd = ways.iter().enumerate().filter(|(at, _)| *at != usual_at);
-    odd.map(|(_, way)| finding(way, &there)).collect()
+    let odd = ways.iter().enumerate().filter(|(at, _)| *at != usual);
+    odd.map(|(_, way)| finding(way, &there[0])).collect()
 }
 
 fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {

@@ -30,6 +30,9 @@ pub(super) const LINT: Lint = Lint {
     check: Check::Shader(check),
 };
 
+/// Blocks of a stage that are counted: each is looked for in the text.
+const MOST_COUNTED: usize = 256;
+
 /// What a target guarantees: the minima of its tables of implementation-dependent values.
 struct Limits {
     /// Bytes of a uniform block, and of a storage block where there are any.
@@ -218,10 +221,16 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     let stage = one_stage(subject)?;
     let mut count = 0u64;
     let mut first_over = None;
-    for block in &subject.shader.blocks {
-        if block.space != space || !is_declared(block, subject.options) {
-            continue;
-        }
+    let is_meant = |block: &&BlockLayout| {
+        block.space == space && is_declared(block, subject.options)
+    };
+    let declared: Vec<&BlockLayout> =
+        subject.shader.blocks.iter().filter(is_meant).take(MOST_COUNTED).collect();
+    let all = declared.iter().fold(0u64, |sum, b| sum.saturating_add(elements(&b.count)));
+    if all <= limit {
+        return None;
+    }
+    for block in declared {
         if !takes_binding(subject, block, target) {
             continue;
         }
@@ -269,8 +278,7 @@ fn takes_binding(subject: &Subject<'_>, block: &BlockLayout, target: Target) -> 
         Target::Gl33 | Target::Gles30 | Target::WebGl2 => true,
         Target::WebGpu | Target::Vulkan => {
             let again = |name: &str| {
-                let times = |file: &crate::source::File| words(&file.text, name).count();
-                subject.shader.files.iter().map(times).sum::<usize>() > 1
+                subject.shader.files.iter().flat_map(|file| words(&file.text, name)).nth(1).is_some()
             };
             match &block.instance {
                 Some(instance) => again(instance),

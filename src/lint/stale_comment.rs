@@ -9,7 +9,7 @@ mod words;
 use super::show::{is_declared, listing, place};
 use super::{Check, Finding, Level, Lint, Settings, Subject};
 use crate::layout::MemberLayout;
-use crate::source::Span;
+use crate::source::{Files, Span};
 use claims::{Claim, Kind, claims};
 use columns::Row;
 use judge::{Right, counted_from, may_be_content, other_unit};
@@ -124,42 +124,36 @@ struct Read {
 fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> Read {
     let files = &subject.shader.files;
     let mut read = Read::default();
-    // Where the last comment behind a member stands, and how many lines have followed it.
+    // The last comment behind a member, and how many lines have gone on with it.
     let mut tail: Option<Tail> = None;
     for (index, member) in members.iter().enumerate() {
+        // `float a, b; // offset 16`: of which of them it speaks cannot be told.
+        let neighbours = [index.checked_sub(1), Some(index + 1)].into_iter().flatten();
+        let neighbours: Vec<_> = neighbours.filter_map(|at| members.get(at)).collect();
         for &comment in &member.comment {
-            let shared = |other: &MemberLayout| {
-                other.span != member.span && other.comment.contains(&comment)
-            };
-            if comment.file != member.span.file || members.iter().any(shared) {
+            let shared = |other: &&MemberLayout| other.comment.contains(&comment);
+            if comment.file != member.span.file || neighbours.iter().any(shared) {
                 continue;
             }
             let text = files.text(comment);
-            let at = files.locate(comment);
-            let (first, last) = match comment.start < member.span.start {
-                true => (comment.end, member.span.start),
-                false => (member.span.end, comment.start),
-            };
-            let between = files.text(Span { start: first, end: last, ..comment });
             let behind = comment.start > member.span.start;
-            if !between.contains('\n') || behind {
+            let between = Span { start: comment.end, end: member.span.start, ..comment };
+            if behind || !files.text(between).contains('\n') {
                 if behind {
-                    tail = Some(Tail { index, line: at.line, column: at.column, step: 0 });
+                    tail = Some(Tail { index, comment, step: 0 });
                 }
-                add(&mut read, owner, member, index, 0, comment, text);
+                add(&mut read, owner, member, index, comment, text);
                 continue;
             }
             // A line of its own right below a comment, at the same column, goes on with that one.
-            if let Some(tail) = &mut tail {
-                if at.column == tail.column && at.line == tail.line + 1 {
-                    tail.line = at.line;
-                    tail.step += 1;
-                    if let Some(cells) = columns::cells(text) {
-                        let (index, step) = (tail.index, tail.step);
-                        read.rows.push(Row { index, step, comment, cells });
-                    }
-                    continue;
+            if let Some(tail) = tail.as_mut().filter(|tail| goes_on(files, tail.comment, comment)) {
+                tail.comment = comment;
+                tail.step += 1;
+                if let Some(cells) = columns::cells(text) {
+                    let (index, step) = (tail.index, tail.step);
+                    read.rows.push(Row { index, step, comment, cells });
                 }
+                continue;
             }
             if index == 0 && read.header.is_none() {
                 read.header = columns::header(text);
@@ -174,9 +168,26 @@ fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> R
 
 struct Tail {
     index: usize,
-    line: u32,
-    column: u32,
+    comment: Span,
     step: u64,
+}
+
+/// Whether a comment stands on the line below another, at the same column.
+fn goes_on(files: &Files, above: Span, below: Span) -> bool {
+    let between = files.text(Span { start: above.end, end: below.start, ..below });
+    above.file == below.file
+        && between.trim().is_empty()
+        && between.matches('\n').count() == 1
+        && column(files, above).is_some_and(|at| Some(at) == column(files, below))
+}
+
+/// The column of a comment in characters; `None` on a line no one would align anything on.
+fn column(files: &Files, comment: Span) -> Option<usize> {
+    const WIDEST: usize = 1000;
+    let text = &files.get(comment.file)?.text;
+    let before = text.get(..comment.start as usize)?;
+    let line = before.bytes().rev().take(WIDEST).position(|byte| byte == b'\n')?;
+    Some(before[before.len() - line..].chars().count())
 }
 
 /// Notes what a comment on a member's own line says.
@@ -185,12 +196,11 @@ fn add(
     owner: &Owner<'_>,
     member: &MemberLayout,
     index: usize,
-    step: u64,
     comment: Span,
     text: &str,
 ) {
     if let Some(cells) = columns::cells(text) {
-        read.rows.push(Row { index, step, comment, cells });
+        read.rows.push(Row { index, step: 0, comment, cells });
         return;
     }
     let said = claims(text, &member.name, rules(owner));

@@ -1,5 +1,7 @@
 //! Where two copies of one block, or of one structure, differ, leaf by leaf.
 
+use rustc_hash::{FxHashMap, FxHashSet};
+
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::{ArrayLen, Type};
 use crate::source::{Language, Span};
@@ -49,6 +51,33 @@ pub(super) fn view(block: &BlockLayout, language: Language) -> View<'_> {
     View { leaves: leaves.collect(), size: block.size, language }
 }
 
+/// Whether two blocks are declared alike, without a word on the difference.
+pub(super) fn alike(a: &BlockLayout, b: &BlockLayout) -> bool {
+    a.leaves.len() == b.leaves.len()
+        && a.leaves.iter().zip(&b.leaves).all(|(a, b)| {
+            a.offset == b.offset
+                && a.path == b.path
+                && a.ty == b.ty
+                && a.dims == b.dims
+                && a.strides == b.strides
+                && a.matrix_stride == b.matrix_stride
+                && a.row_major == b.row_major
+        })
+}
+
+/// How many leaves two copies share by name and type.
+pub(super) fn shared(a: &View<'_>, b: &View<'_>) -> usize {
+    let theirs = by_name(b);
+    let is_shared = |leaf: &&Named<'_>| {
+        theirs.get(leaf.name.as_str()).is_some_and(|twin| twin.leaf.ty == leaf.leaf.ty)
+    };
+    a.leaves.iter().filter(is_shared).count()
+}
+
+fn by_name<'v>(view: &'v View<'_>) -> FxHashMap<&'v str, &'v Named<'v>> {
+    view.leaves.iter().map(|leaf| (leaf.name.as_str(), leaf)).collect()
+}
+
 /// Whether one is the start of the other: its leaves are the first ones there, in the same place.
 pub(super) fn is_head(a: &View<'_>, b: &View<'_>) -> bool {
     let (short, long) = if a.leaves.len() <= b.leaves.len() { (a, b) } else { (b, a) };
@@ -59,6 +88,10 @@ pub(super) fn is_head(a: &View<'_>, b: &View<'_>) -> bool {
 /// Whether bytes of one are read as something else in the other: where they overlap, they are not
 /// the same leaf but for the name.
 pub(super) fn collide(a: &View<'_>, b: &View<'_>) -> bool {
+    // Blocks of that many members are no uniform blocks that anyone would bind.
+    if a.leaves.len().saturating_mul(b.leaves.len()) > 1_000_000 {
+        return false;
+    }
     let first = |leaf: &Named<'_>| Some((leaf.offset?, leaf.offset? + leaf.leaf.size?));
     a.leaves.iter().any(|a| {
         b.leaves.iter().any(|b| match (first(a), first(b)) {
@@ -81,9 +114,15 @@ fn same(a: &Named<'_>, b: &Named<'_>) -> bool {
 /// Every difference, in the order of the copy at hand, then what only the other has.
 pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> {
     let mut found = Vec::new();
-    let other = |name: &str| there.leaves.iter().find(|leaf| leaf.name == name);
-    let known = |name: &str| here.leaves.iter().any(|leaf| leaf.name == name);
-    let mut renamed: Vec<&str> = Vec::new();
+    let ours = by_name(here);
+    let theirs = by_name(there);
+    let mut by_offset: FxHashMap<Option<u64>, Vec<&Named<'_>>> = FxHashMap::default();
+    for leaf in &there.leaves {
+        by_offset.entry(leaf.offset).or_default().push(leaf);
+    }
+    let other = |name: &str| theirs.get(name).copied();
+    let known = |name: &str| ours.contains_key(name);
+    let mut renamed: FxHashSet<&str> = FxHashSet::default();
     for leaf in &here.leaves {
         if let Some(twin) = other(&leaf.name) {
             if let Some(text) = moved(leaf, twin, here.language, there.language) {
@@ -91,10 +130,14 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> 
             }
             continue;
         }
-        let twin = there.leaves.iter().find(|twin| !known(&twin.name) && same(leaf, twin));
+        let there = by_offset.get(&leaf.offset).map_or(&[][..], Vec::as_slice);
+        // Loose uniforms all lack an offset: a name is all that tells them apart.
+        let twin = there.iter().find(|t| {
+            leaf.offset.is_some() && !known(&t.name) && same(leaf, t)
+        });
         match twin {
             Some(twin) => {
-                renamed.push(&twin.name);
+                renamed.insert(&twin.name);
                 let text = format!(
                     "the {} is named `{}` here and `{}` there",
                     described(leaf, here.language),
@@ -112,7 +155,7 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> 
         }
     }
     for leaf in &there.leaves {
-        if !known(&leaf.name) && !renamed.contains(&leaf.name.as_str()) {
+        if !known(&leaf.name) && !renamed.contains(leaf.name.as_str()) {
             let what = described(leaf, there.language);
             let text = format!("`{}` ({what}) is only there", leaf.name);
             found.push(difference(text, None, Some(leaf)));

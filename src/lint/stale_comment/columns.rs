@@ -9,6 +9,9 @@ use super::owners::Owner;
 use super::words::{Sign, tokens};
 use crate::source::Span;
 
+/// A table next to members has no more columns than this.
+const MOST_COLUMNS: usize = 8;
+
 /// One number or range of a row.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
@@ -32,7 +35,7 @@ pub(super) fn cells(comment: &str) -> Option<Vec<Cell>> {
         return None;
     }
     let parts = parts(comment);
-    let last = parts.len().checked_sub(1)?;
+    let last = parts.len().checked_sub(1).filter(|&last| last < MOST_COLUMNS)?;
     let cell = |(at, &(start, part)): (usize, &(usize, &str))| {
         let tokens = tokens(part);
         let Sign::Number(number) = &tokens.first()?.sign else { return None };

@@ -8,6 +8,9 @@ use crate::layout::MemberLayout;
 use crate::layout::measure::element_size;
 use crate::shape::{ArrayLen, Type};
 
+/// Members whose sizes a comment may sum up.
+const LONGEST_GROUP: usize = 16;
+
 /// What would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Right {
@@ -165,7 +168,8 @@ fn sizes(placed: &Placed<'_>, index: usize, unit: bool) -> Vec<u64> {
     found.extend(&member.strides);
     found.extend(member.matrix_stride);
     let ends = [end_of(member), placed.next(index)];
-    let starts = placed.members[..=index].iter().filter_map(|earlier| earlier.offset);
+    let group = &placed.members[index.saturating_sub(LONGEST_GROUP)..=index];
+    let starts = group.iter().filter_map(|earlier| earlier.offset);
     for start in starts.chain([0]) {
         found.extend(ends.iter().filter_map(|end| end.checked_sub(start)));
     }
