@@ -223,7 +223,9 @@ fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {
     let (block, other) = (here.block, there.block);
     let path = &there.subject.source.path;
     let message = match block.name == other.name {
-        true => format!("block `{}` is declared differently in {path}: {}", block.name, first(&all)),
+        true => {
+            format!("block `{}` is declared differently in {path}: {}", block.name, first(&all))
+        }
         false => format!(
             "block `{}` has the binding of `{}` in {path} but not its layout: {}",
             block.name,
@@ -269,7 +271,8 @@ fn with_differences(mut finding: Finding, all: &[Difference]) -> Finding {
         finding = finding.with_note(difference.text.clone());
     }
     if all.len() > 1 + MOST_NAMED {
-        finding = finding.with_note(counted((all.len() - 1 - MOST_NAMED) as u64, "more difference"));
+        finding =
+            finding.with_note(counted((all.len() - 1 - MOST_NAMED) as u64, "more difference"));
     }
     finding
 }

@@ -43,9 +43,8 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
     };
     let meant: Vec<_> = blocks().filter(|(_, block)| is_called(block, &table.block)).collect();
     if meant.is_empty() {
-        let names = blocks().flat_map(|(_, block)| {
-            std::iter::once(&*block.name).chain(block.instance.as_deref())
-        });
+        let names = blocks()
+            .flat_map(|(_, block)| std::iter::once(&*block.name).chain(block.instance.as_deref()));
         return vec![unknown_block(table, files().count(), names)];
     }
     let mut found: Vec<Finding> = Vec::new();
@@ -53,7 +52,8 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
         let wrong_rows = table.offsets.iter().filter_map(|row| wrong(subject, block, table, row));
         for finding in too_small(subject, block, table).into_iter().chain(wrong_rows) {
             // Each stage declares the block again; the table is wrong once.
-            let told = found.iter_mut().find(|f| f.place == finding.place && f.about == finding.about);
+            let told =
+                found.iter_mut().find(|f| f.place == finding.place && f.about == finding.about);
             match told {
                 Some(told) if told.message == finding.message => {
                     told.related.extend(finding.related);
@@ -65,11 +65,7 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
     found
 }
 
-fn unknown_block<'a>(
-    table: &Table,
-    files: usize,
-    names: impl Iterator<Item = &'a str>,
-) -> Finding {
+fn unknown_block<'a>(table: &Table, files: usize, names: impl Iterator<Item = &'a str>) -> Finding {
     let message = match (files, table.file.is_empty()) {
         (0, false) => format!("no shader matches `{}`", table.file),
         (_, true) => format!("no shader has a block `{}`", table.block),
@@ -123,12 +119,7 @@ struct Tail {
     size: u64,
 }
 
-fn wrong(
-    subject: &Subject<'_>,
-    block: &BlockLayout,
-    table: &Table,
-    row: &Row,
-) -> Option<Finding> {
+fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -> Option<Finding> {
     let at = or(&row.offset.place, &table.place);
     let about = format!("{}.{}", block.name, row.path);
     let found = match explain(block, &row.path, subject.shader.language) {

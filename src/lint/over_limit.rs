@@ -118,9 +118,7 @@ fn limits(target: Target) -> Limits {
 fn loose_components(target: Target, stage: Stage) -> Option<u64> {
     let stages: &[(Stage, u64)] = match target {
         // OpenGL 3.3: MAX_VERTEX_, MAX_GEOMETRY_ and MAX_FRAGMENT_UNIFORM_COMPONENTS.
-        Target::Gl33 => {
-            &[(Stage::Vertex, 1024), (Stage::Geometry, 1024), (Stage::Fragment, 1024)]
-        }
+        Target::Gl33 => &[(Stage::Vertex, 1024), (Stage::Geometry, 1024), (Stage::Fragment, 1024)],
         // OpenGL ES 3.0: 256 vectors and 224 vectors.
         Target::Gles30 | Target::WebGl2 => &[(Stage::Vertex, 1024), (Stage::Fragment, 896)],
         Target::WebGpu | Target::Vulkan => &[],
@@ -184,7 +182,8 @@ fn too_large(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) ->
         .with_text(format!("{} more than guaranteed", bytes(size - limit)))
         .with_help(shorter(block, limit));
     for (limit, target, name, cite) in over {
-        finding = finding.with_note(format!("{}: {name} is at least {limit} ({cite})", title(target)));
+        finding =
+            finding.with_note(format!("{}: {name} is at least {limit} ({cite})", title(target)));
     }
     finding.listing = listing(subject.shader, block);
     Some(finding)
@@ -221,9 +220,8 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     let stage = one_stage(subject)?;
     let mut count = 0u64;
     let mut first_over = None;
-    let is_meant = |block: &&BlockLayout| {
-        block.space == space && is_declared(block, subject.options)
-    };
+    let is_meant =
+        |block: &&BlockLayout| block.space == space && is_declared(block, subject.options);
     let declared: Vec<&BlockLayout> =
         subject.shader.blocks.iter().filter(is_meant).take(MOST_COUNTED).collect();
     let all = declared.iter().fold(0u64, |sum, b| sum.saturating_add(elements(&b.count)));
@@ -257,11 +255,9 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
 /// What the shader is when its blocks are all of one stage.
 fn one_stage(subject: &Subject<'_>) -> Option<String> {
     match subject.shader.language {
-        Language::Glsl => {
-            Some(subject.shader.stage.map_or("the stage".to_string(), |stage| {
-                format!("the {} stage", stage.name().replace('_', " "))
-            }))
-        }
+        Language::Glsl => Some(subject.shader.stage.map_or("the stage".to_string(), |stage| {
+            format!("the {} stage", stage.name().replace('_', " "))
+        })),
         Language::Wgsl => {
             let attributes = ["@vertex", "@fragment", "@compute"];
             let text = &subject.source.text;
@@ -278,7 +274,13 @@ fn takes_binding(subject: &Subject<'_>, block: &BlockLayout, target: Target) -> 
         Target::Gl33 | Target::Gles30 | Target::WebGl2 => true,
         Target::WebGpu | Target::Vulkan => {
             let again = |name: &str| {
-                subject.shader.files.iter().flat_map(|file| words(&file.text, name)).nth(1).is_some()
+                subject
+                    .shader
+                    .files
+                    .iter()
+                    .flat_map(|file| words(&file.text, name))
+                    .nth(1)
+                    .is_some()
             };
             match &block.instance {
                 Some(instance) => again(instance),

@@ -50,10 +50,9 @@ fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
     let keyword = keyword(block.space);
     let declared = declaration(subject, block, keyword);
     let message = match declared {
-        Declaration::Chosen(word) => format!(
-            "block `{}` is `{word}`: the driver chooses where its members are",
-            block.name
-        ),
+        Declaration::Chosen(word) => {
+            format!("block `{}` is `{word}`: the driver chooses where its members are", block.name)
+        }
         Declaration::Bare(_) | Declaration::Qualified(_) | Declaration::Elsewhere => {
             format!("block `{}` does not say its rules: the driver chooses them", block.name)
         }
@@ -149,6 +148,5 @@ fn ends_line(rest: &str, before: &str, at: usize) -> bool {
 }
 
 /// Qualifiers that may stand before the keyword of a block.
-const QUALIFIERS: &[&str] = &[
-    "coherent", "volatile", "restrict", "readonly", "writeonly", "highp", "mediump", "lowp",
-];
+const QUALIFIERS: &[&str] =
+    &["coherent", "volatile", "restrict", "readonly", "writeonly", "highp", "mediump", "lowp"];

@@ -77,11 +77,10 @@ pub(super) fn may_be_vulkan(subject: &Subject<'_>) -> bool {
     let number: String = version.trim_start().chars().take_while(char::is_ascii_digit).collect();
     let bound = |block: &BlockLayout| match block.space {
         AddressSpace::Uniform | AddressSpace::Storage => block.binding.is_some(),
-        AddressSpace::PushConstant
-        | AddressSpace::BufferReference
-        | AddressSpace::ShaderRecord => true,
+        AddressSpace::PushConstant | AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
+            true
+        }
         AddressSpace::Default => false,
     };
-    number.parse().is_ok_and(|number: u32| number >= 450)
-        && subject.shader.blocks.iter().all(bound)
+    number.parse().is_ok_and(|number: u32| number >= 450) && subject.shader.blocks.iter().all(bound)
 }

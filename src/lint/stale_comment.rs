@@ -244,7 +244,9 @@ fn is_content(member: &MemberLayout, claim: &Claim, alone: bool) -> bool {
             may_be_content(member)
                 && (alone || named(&["size", "width", "height", "radius", "count", "num", "len"]))
         }
-        Kind::ArrayStride | Kind::MatrixStride | Kind::Stride => member.strides.is_empty(),
+        Kind::ArrayStride | Kind::MatrixStride | Kind::Stride => {
+            member.strides.is_empty() && member.matrix_stride.is_none()
+        }
     }
 }
 

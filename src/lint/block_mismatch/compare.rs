@@ -132,9 +132,7 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> 
         }
         let there = by_offset.get(&leaf.offset).map_or(&[][..], Vec::as_slice);
         // Loose uniforms all lack an offset: a name is all that tells them apart.
-        let twin = there.iter().find(|t| {
-            leaf.offset.is_some() && !known(&t.name) && same(leaf, t)
-        });
+        let twin = there.iter().find(|t| leaf.offset.is_some() && !known(&t.name) && same(leaf, t));
         match twin {
             Some(twin) => {
                 renamed.insert(&twin.name);

@@ -71,7 +71,8 @@ fn compared(
     let other = all.first().and_then(|d| d.there).unwrap_or(there.span);
     let mut finding = Finding::new(LINT.code, here.name.as_str(), place(here.subject, at), message)
         .with_related(place(there.subject, other), "the other copy");
-    for place in [&copy.place, &group.place].into_iter().find(|place| !place.path.is_empty()) {
+    let places = [&copy.place, &group.place];
+    if let Some(place) = places.into_iter().find(|place| !place.path.is_empty()) {
         finding = finding.with_related(place.clone(), format!("mirror group `{}`", group.name));
     }
     finding = with_differences(finding, &all);
@@ -175,7 +176,11 @@ fn structure<'a>(
     block: &'a BlockLayout,
     name: &str,
 ) -> Option<Found<'a>> {
-    fn find<'a>(members: &'a [MemberLayout], name: &str, steps: &mut Vec<&'a MemberLayout>) -> bool {
+    fn find<'a>(
+        members: &'a [MemberLayout],
+        name: &str,
+        steps: &mut Vec<&'a MemberLayout>,
+    ) -> bool {
         members.iter().any(|member| {
             steps.push(member);
             let is = matches!(member.ty.innermost(), Type::Struct(s) if *s.name == *name);
@@ -200,9 +205,8 @@ fn element<'a>(
 ) -> Option<Found<'a>> {
     let last = *steps.last()?;
     let Type::Struct(s) = last.ty.innermost() else { return None };
-    let step = |member: &&MemberLayout| {
-        format!("{}{}", member.name, "[]".repeat(member.dims.len()))
-    };
+    let step =
+        |member: &&MemberLayout| format!("{}{}", member.name, "[]".repeat(member.dims.len()));
     let name = steps.iter().map(step).collect::<Vec<_>>().join(".");
     let prefix = format!("{name}.");
     let base = steps.iter().try_fold(0u64, |sum, member| sum.checked_add(member.offset?));
@@ -223,7 +227,13 @@ fn element<'a>(
         size: last.strides.last().copied(),
         language: subject.shader.language,
     };
-    Some(Found { subject, block, view, name, span: if s.name.is_empty() { last.span } else { s.span } })
+    Some(Found {
+        subject,
+        block,
+        view,
+        name,
+        span: if s.name.is_empty() { last.span } else { s.span },
+    })
 }
 
 /// What a member is called in the group: aliases turned back, the prefix taken off.

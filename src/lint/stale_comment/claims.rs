@@ -45,16 +45,71 @@ pub(super) struct Claim {
 
 /// Words that make a comment speak of something else than the layout at hand.
 const ELSEWHERE: &[&str] = &[
-    "cpu", "host", "hlsl", "msl", "metal", "directx", "d3d", "c", "cpp", "rust", "packed",
-    "tightly", "was", "were", "old", "formerly", "previously", "should", "would", "instead", "not",
-    "if", "when", "原来", "之前", "如果",
+    "cpu",
+    "host",
+    "hlsl",
+    "msl",
+    "metal",
+    "directx",
+    "d3d",
+    "c",
+    "cpp",
+    "rust",
+    "packed",
+    "tightly",
+    "was",
+    "were",
+    "old",
+    "formerly",
+    "previously",
+    "should",
+    "would",
+    "instead",
+    "not",
+    "if",
+    "when",
+    "原来",
+    "之前",
+    "如果",
 ];
 
 /// Words that may stand before a keyword without changing what it is about.
 const NEUTRAL: &[&str] = &[
-    "base", "aligned", "byte", "bytes", "struct", "structure", "block", "at", "starts", "takes",
-    "occupies", "its", "own", "the", "array", "matrix", "gpu", "glsl", "wgsl", "std140", "std430",
-    "scalar", "element", "member", "field", "in", "and", "with", "is", "has", "whole", "buffer's",
+    "base",
+    "aligned",
+    "byte",
+    "bytes",
+    "struct",
+    "structure",
+    "block",
+    "at",
+    "starts",
+    "takes",
+    "occupies",
+    "its",
+    "own",
+    "the",
+    "array",
+    "matrix",
+    "gpu",
+    "glsl",
+    "wgsl",
+    "std140",
+    "std430",
+    "scalar",
+    "element",
+    "member",
+    "field",
+    "in",
+    "and",
+    "with",
+    "is",
+    "has",
+    "whole",
+    "占",
+    "占用",
+    "为",
+    "是",
 ];
 
 /// The claims of a comment about a thing of that name, laid out by those rules.
@@ -225,7 +280,9 @@ fn opens_clause(tokens: &[Word], at: usize, follows: usize) -> bool {
     let Some(before) = at.checked_sub(1).map(|before| &tokens[before]) else { return true };
     match before.sign {
         Sign::Mark(mark) => matches!(mark, ',' | ';' | '|' | '(' | '[' | '/' | '\n'),
-        Sign::Text => at == follows || is_word(tokens, at - 1, &["takes", "occupies", "占", "占用"]),
+        Sign::Text => {
+            at == follows || is_word(tokens, at - 1, &["takes", "occupies", "占", "占用"])
+        }
         Sign::Number(_) | Sign::Keyword(_) | Sign::Unit | Sign::Odd => at == follows,
     }
 }

@@ -100,7 +100,11 @@ fn parts(comment: &str) -> Vec<(usize, &str)> {
 }
 
 /// What the columns of a structure's rows are, as far as it can be told.
-pub(super) fn kinds(owner: &Owner<'_>, named: Option<Vec<Kind>>, rows: &[Row]) -> Vec<Option<Kind>> {
+pub(super) fn kinds(
+    owner: &Owner<'_>,
+    named: Option<Vec<Kind>>,
+    rows: &[Row],
+) -> Vec<Option<Kind>> {
     if let Some(named) = named {
         return named.into_iter().map(Some).collect();
     }

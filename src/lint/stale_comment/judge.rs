@@ -21,12 +21,7 @@ pub(super) struct Right {
 
 /// What a claim about a member should have said; `None` if it is right in some reading, or if
 /// what is right depends on where the structure is used.
-pub(super) fn member(
-    owner: &Owner<'_>,
-    index: usize,
-    claim: &Claim,
-    from: Base,
-) -> Option<Right> {
+pub(super) fn member(owner: &Owner<'_>, index: usize, claim: &Claim, from: Base) -> Option<Right> {
     if owner.places.iter().any(|placed| fits(placed, index, claim)) {
         return None;
     }
@@ -130,11 +125,7 @@ fn fits(placed: &Placed<'_>, index: usize, claim: &Claim) -> bool {
         Kind::Size => sizes(placed, index, claim.unit).contains(&said),
         Kind::ArrayStride => member.strides.contains(&said),
         Kind::MatrixStride => member.matrix_stride == Some(said),
-        Kind::Stride => {
-            member.strides.contains(&said)
-                || member.matrix_stride == Some(said)
-                || said == element_size(member, placed.rules)
-        }
+        Kind::Stride => member.strides.contains(&said) || member.matrix_stride == Some(said),
         Kind::Total => true,
     }
 }
