@@ -51,12 +51,18 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let blocks = blocks.filter(|b| b.rules_declared && is_declared(b, subject.options));
     let mut found = Vec::new();
     for owner in owners(subject.shader, blocks) {
-        found.extend(in_owner(subject, &owner));
+        in_owner(subject, &owner, &mut found);
+        if found.len() >= MOST_FOUND {
+            break;
+        }
     }
     found.sort_by(|a, b| (&a.place.path, a.place.start).cmp(&(&b.place.path, b.place.start)));
     found.dedup_by(|a, b| a.place == b.place);
     found
 }
+
+/// Findings of one shader; past that its comments are about another layout altogether.
+const MOST_FOUND: usize = 500;
 
 /// A claim, and the comment it is made in.
 struct Made {
@@ -65,9 +71,9 @@ struct Made {
     claim: Claim,
 }
 
-fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
+fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) {
     let Some(members) = owner.places.first().map(|placed| placed.members) else {
-        return Vec::new();
+        return;
     };
     let read = read(subject, owner, members);
     let offsets: Vec<(usize, u64)> = read
@@ -78,8 +84,10 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
         .collect();
     let other_unit = other_unit(owner, &offsets);
     let from = counted_from(owner, &offsets);
-    let mut found = Vec::new();
     for made in &read.made {
+        if found.len() >= MOST_FOUND {
+            return;
+        }
         let member = &members[made.index];
         let alone = read.made.len() == 1;
         if (made.claim.kind == Kind::Offset && other_unit)
@@ -110,7 +118,6 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
         }
     }
     found.extend(totals(subject, owner));
-    found
 }
 
 /// What the comments of a structure's or block's members say.

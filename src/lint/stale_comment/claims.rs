@@ -43,6 +43,9 @@ pub(super) struct Claim {
     pub keyword: bool,
 }
 
+/// Claims of one comment; more is text made to exhaust somebody.
+const MOST_CLAIMS: usize = 32;
+
 /// Words that make a comment speak of something else than the layout at hand.
 const ELSEWHERE: &[&str] = &[
     "cpu",
@@ -134,7 +137,7 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
     let mut at = 0;
     // Where the last claim ended: the next may follow it without a sign between.
     let mut follows = usize::MAX;
-    while at < tokens.len() {
+    while at < tokens.len() && found.len() < MOST_CLAIMS {
         let clause = opens_clause(&tokens, at, follows);
         let read = match tokens[at].sign {
             Sign::Keyword(kind) => keyword_claim(&tokens, at, kind),
