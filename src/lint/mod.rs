@@ -13,6 +13,7 @@ mod bool_in_block;
 mod buffer_too_small;
 mod define_changes_layout;
 mod driver_disagrees;
+mod glob;
 mod layout_drift;
 mod lock_missing;
 mod lock_orphan;
@@ -25,6 +26,7 @@ mod rules_undeclared;
 #[cfg(feature = "cli")]
 mod rust_mirror;
 mod scalar_after_vec3;
+mod show;
 mod stale_comment;
 mod unused_block;
 mod unused_member;
