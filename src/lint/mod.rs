@@ -28,6 +28,7 @@ mod stale_comment;
 mod unused_block;
 mod unused_member;
 mod vec3_array;
+mod walk;
 mod webgl2_size;
 
 use crate::source::Source;
