@@ -11,12 +11,12 @@ mod block_mismatch;
 mod bool_in_block;
 mod buffer_too_small;
 mod define_changes_layout;
-mod driver_disagrees;
+pub mod driver_disagrees;
 mod layout_drift;
 mod lock_missing;
 mod lock_orphan;
 mod mat3_padding;
-mod naga_disagrees;
+pub mod naga_disagrees;
 mod over_limit;
 mod push_constant_limit;
 mod reorder_saves;
@@ -54,6 +54,18 @@ pub struct Lint {
     pub fix: &'static str,
     /// How it is found.
     pub check: Check,
+}
+
+impl Lint {
+    /// The level it has under those settings while nobody sets one by name.
+    pub fn level_under(&self, settings: &Settings) -> Level {
+        // What wgpu reads wrong is certain to be wrong for who runs on it.
+        if self.code == naga_disagrees::CODE && settings.targets.contains(&settings::Target::WebGpu)
+        {
+            return Level::Deny;
+        }
+        self.level
+    }
 }
 
 /// How the findings of a lint are found.
