@@ -33,6 +33,10 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
 }
 
 fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
+    // Where the driver decides, no number is sure.
+    if !visit.block.rules_declared {
+        return None;
+    }
     let member = visit.member();
     let element = member.ty.innermost();
     let stride = *member.strides.last()?;
@@ -46,7 +50,7 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let language = subject.shader.language;
     let spelled = element.spelled(language);
     let declaration = declared(&member.name, &new, language);
-    let read = reading(&member.name, member.dims.len(), &packed);
+    let read = reading(&member.name, member.dims.len(), new.dims().len(), &packed);
     let (message, help) = match (member.size, extent.size) {
         (Some(old), Some(new)) if new < old => (
             format!(
@@ -113,6 +117,8 @@ fn with_last_dimension(ty: &Type, packed: &Packing) -> Option<Type> {
         return Some(Type::Array { element, len: len.clone() });
     }
     let len = match len {
+        // One vector takes them all.
+        ArrayLen::Fixed(n) if *n <= packed.count => return Some(packed.vector.clone()),
         ArrayLen::Fixed(n) => ArrayLen::Fixed(n.div_ceil(packed.count)),
         ArrayLen::Runtime => ArrayLen::Runtime,
         ArrayLen::Override(_) => return None,
@@ -121,12 +127,14 @@ fn with_last_dimension(ty: &Type, packed: &Packing) -> Option<Type> {
 }
 
 /// How an element is read: `` `w[i / 4][i % 4]` ``, `` `w[i / 2].xy` or `.zw` ``.
-fn reading(name: &str, dims: usize, packed: &Packing) -> String {
-    let outer = ["[i]", "[j]", "[k]"].iter().cycle().take(dims - 1).copied().collect::<String>();
-    let index = ["i", "j", "k"][(dims - 1) % 3];
+fn reading(name: &str, old: usize, new: usize, packed: &Packing) -> String {
+    let outer = ["[i]", "[j]", "[k]"].iter().cycle().take(old - 1).copied().collect::<String>();
+    let index = ["i", "j", "k"][(old - 1) % 3];
     let count = packed.count;
-    match packed.rows {
-        1 => format!("`{name}{outer}[{index} / {count}][{index} % {count}]`"),
-        _ => format!("`{name}{outer}[{index} / {count}].xy` or `.zw`"),
+    match (packed.rows, new < old) {
+        (1, false) => format!("`{name}{outer}[{index} / {count}][{index} % {count}]`"),
+        (1, true) => format!("`{name}{outer}[{index}]`"),
+        (_, false) => format!("`{name}{outer}[{index} / {count}].xy` or `.zw`"),
+        (_, true) => format!("`{name}{outer}.xy` or `.zw`"),
     }
 }

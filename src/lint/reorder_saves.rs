@@ -45,6 +45,8 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let options = subject.options;
     let mut shape = parse::parse(subject.source, &options.read, options.gather).shape;
     shape.blocks.retain(|block| block.space != AddressSpace::Default);
+    // Where the driver decides, no number is sure.
+    shape.blocks.retain(|block| block.rules_declared || options.rules.is_some());
     if let Some(rules) = options.rules {
         shape.blocks.iter_mut().for_each(|block| block.rules = rules);
     }
