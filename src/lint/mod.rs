@@ -22,7 +22,7 @@ mod push_constant_limit;
 mod reorder_saves;
 mod rules_undeclared;
 #[cfg(feature = "cli")]
-mod rust_mirror;
+pub mod rust_mirror;
 mod scalar_after_vec3;
 mod stale_comment;
 mod unused_block;
@@ -109,6 +109,8 @@ pub const LINTS: &[&Lint] = &[
     &rules_undeclared::LINT,
     #[cfg(feature = "cli")]
     &rust_mirror::LINT,
+    #[cfg(feature = "cli")]
+    &rust_mirror::UNKNOWN,
     &scalar_after_vec3::LINT,
     &stale_comment::LINT,
     &unused_block::LINT,
