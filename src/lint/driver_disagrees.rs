@@ -163,11 +163,12 @@ fn finding(
         }
     }
     if probes.len() > 1 {
-        finding = finding.with_note(format!(
-            "{} further elements of `{}` are read from other bytes too",
-            probes.len() - 1,
-            first.path
-        ));
+        let (elements, are) = match probes.len() - 1 {
+            1 => ("1 further element".to_string(), "is"),
+            n => (format!("{n} further elements"), "are"),
+        };
+        finding = finding
+            .with_note(format!("{elements} of `{}` {are} read from other bytes too", first.path));
     }
     match &first.cause {
         Some(cause) => finding.with_note(cause.clone()),

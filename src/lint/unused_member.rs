@@ -16,7 +16,7 @@ pub(super) const LINT: Lint = Lint {
     what: "reports a member of a block that no function of the shader reads or writes",
     why: "It costs bytes and an upload, and is often a leftover, or a typo: another member is \
           read in its place. Known only of texts that naga takes as they are: WGSL, and Vulkan \
-          GLSL without `#if`, with an entry point. A structure that is loaded as a whole uses all \
+          GLSL without `#if`, with an entry point. A structure that is copied as a whole uses all \
           its members; names that say padding (`_pad`, `reserved`) are left alone. Allowed \
           unless asked for, because blocks are shared.",
     example: "\

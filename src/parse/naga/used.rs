@@ -1,7 +1,7 @@
 //! Which members of each block the functions of a shader touch, by naga's module.
 //!
 //! Only a text that naga takes whole has an answer. Every doubt counts as use:
-//! a structure loaded or passed as a whole uses all of its members.
+//! a structure copied or passed as a whole uses all of its members.
 
 use naga::valid::{Capabilities, FunctionInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, GlobalVariable, Handle, Module, TypeInner};
@@ -67,8 +67,13 @@ fn touches(
     // How often an expression is only the base of a further step.
     let mut steps = vec![0usize; function.expressions.len()];
     for (_, expression) in function.expressions.iter() {
-        if let Expression::Access { base, .. } | Expression::AccessIndex { base, .. } = expression {
-            steps[base.index()] += 1;
+        match expression {
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
+                steps[base.index()] += 1;
+            }
+            // Of a block with an instance naga's GLSL loads the whole, then takes a member of it.
+            Expression::Load { pointer } => steps[pointer.index()] += 1,
+            _ => {}
         }
     }
     for (handle, _) in function.expressions.iter() {
@@ -103,6 +108,7 @@ fn way_to(
                 steps.push(Step::Any);
                 handle = base;
             }
+            Expression::Load { pointer } => handle = pointer,
             _ => return None,
         }
     }
