@@ -3,6 +3,8 @@
 //! The only lint that lays a shader out again: once for each permutation in the
 //! settings that names a macro its files mention.
 
+use rustc_hash::FxHashMap;
+
 use super::walk::listing;
 use super::{Check, Finding, Level, Lint, Place, Settings, Subject};
 use crate::layout::measure::fixed;
@@ -97,7 +99,7 @@ struct Change {
     /// The member it shows at.
     span: Option<Span>,
     /// The other layout, to look at.
-    listing: String,
+    listing: Option<String>,
 }
 
 fn change(
@@ -116,17 +118,21 @@ fn first_difference(
     other: &BlockLayout,
 ) -> Option<(String, Option<Span>)> {
     let language = subject.shader.language;
+    let by_path = |block: &'_ BlockLayout| -> FxHashMap<String, usize> {
+        let paths = block.leaves.iter().enumerate();
+        paths.map(|(index, leaf)| (leaf.path.clone(), index)).collect()
+    };
+    let there = by_path(other);
     for leaf in &block.leaves {
-        let Some(there) = other.leaves.iter().find(|there| there.path == leaf.path) else {
+        let Some(there) = there.get(&leaf.path).map(|&index| &other.leaves[index]) else {
             return Some((format!("`{}` is gone", leaf.path), Some(leaf.span)));
         };
         if let Some(text) = differs(leaf, there, language) {
             return Some((format!("`{}` {text}", leaf.path), Some(leaf.span)));
         }
     }
-    if let Some(new) =
-        other.leaves.iter().find(|new| block.leaves.iter().all(|old| old.path != new.path))
-    {
+    let here = by_path(block);
+    if let Some(new) = other.leaves.iter().find(|new| !here.contains_key(&new.path)) {
         let at = new.offset.map(|offset| format!(" at {offset}")).unwrap_or_default();
         return Some((format!("`{}` is added{at}", new.path), None));
     }
@@ -154,35 +160,28 @@ fn differs(leaf: &Leaf, there: &Leaf, language: Language) -> Option<String> {
     if leaf.dims != there.dims {
         let lengths = leaf.dims.iter().zip(&there.dims).find(|(a, b)| a != b)?;
         let count = |len| fixed(len).map_or("any number of".to_string(), |n| n.to_string());
-        return Some(format!(
-            "has {} elements instead of {}",
-            count(lengths.1),
-            count(lengths.0)
-        ));
+        return Some(format!("has {} elements instead of {}", count(lengths.1), count(lengths.0)));
     }
     if leaf.row_major != there.row_major {
         let name = if there.row_major { "rows" } else { "columns" };
         return Some(format!("is stored by {name}"));
     }
-    (leaf.matrix_stride != there.matrix_stride)
-        .then(|| "has another matrix stride".to_string())
+    (leaf.matrix_stride != there.matrix_stride).then(|| "has another matrix stride".to_string())
 }
 
 fn changed(subject: &Subject<'_>, block: &BlockLayout, change: &Change, name: &str) -> Finding {
     let files = &subject.shader.files;
-    let message = format!(
-        "block `{}` is laid out otherwise under `{name}`: {}",
-        block.name, change.text
-    );
+    let message =
+        format!("block `{}` is laid out otherwise under `{name}`: {}", block.name, change.text);
     let place = Place::of(files, change.span.unwrap_or(block.span));
     let mut finding = Finding::new(LINT.code, &*block.name, place, message)
         .with_text(change.text.clone())
         .with_note(sizes(block, name))
-        .with_listing(change.listing.clone())
         .with_help(
             "declare the same members in every variant, or move those that come and go into a \
              block of their own",
         );
+    finding.listing = change.listing.clone();
     if change.span.is_some() {
         finding = finding.with_related(Place::of(files, block.span), "the block");
     }

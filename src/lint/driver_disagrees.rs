@@ -155,7 +155,7 @@ fn finding(
     let about = format!("{}.{} in {}", block.name, first.path, first.reader);
     let mut finding = Finding::new(LINT.code, about, place, message);
     if let Some((shader, layout)) = known {
-        finding = finding.with_listing(listing(shader, layout));
+        finding.listing = listing(shader, layout);
         if !layout.rules_declared {
             finding = finding
                 .with_note("the block declares no rules: its offsets are the driver's")

@@ -41,9 +41,10 @@ pub fn wanted(language: Language, settings: &Settings) -> bool {
         Language::Wgsl => true,
         Language::Glsl => {
             settings.targets.contains(&super::settings::Target::WebGpu)
-                || settings.levels.iter().any(|(code, level)| {
-                    code == LINT.code && *level != Level::Allow
-                })
+                || settings
+                    .levels
+                    .iter()
+                    .any(|(code, level)| code == LINT.code && *level != Level::Allow)
         }
     }
 }
@@ -72,10 +73,9 @@ fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         block.name,
         numbers(leaf, naga),
     );
-    let mut finding =
-        Finding::new(LINT.code, &*block.name, Place::of(files, leaf.span), message)
-            .with_text(short(leaf, naga))
-            .with_listing(listing(subject.shader, block));
+    let mut finding = Finding::new(LINT.code, &*block.name, Place::of(files, leaf.span), message)
+        .with_text(short(leaf, naga));
+    finding.listing = listing(subject.shader, block);
     if let Some(span) = cause.span.filter(|span| *span != leaf.span) {
         finding = finding.with_related(Place::of(files, span), cause.word);
     }

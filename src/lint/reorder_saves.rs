@@ -52,7 +52,12 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     }
     let mut findings: Vec<Finding> =
         shape.blocks.iter().filter_map(|block| of_block(subject, block)).collect();
-    for structure in structures(&shape.blocks) {
+    // Each structure that is tried lays its blocks out again.
+    let structures = structures(&shape.blocks);
+    let leaves = shape.blocks.iter().flat_map(|block| &block.members).map(|m| m.ty.leaves());
+    let leaves = leaves.fold(0u64, u64::saturating_add);
+    let tried = (MOST_LEAVES / leaves.max(1)) as usize;
+    for structure in structures.into_iter().take(tried) {
         findings.extend(of_structure(subject, &structure, &shape.blocks));
     }
     // Two variables of one WGSL structure are two blocks of one declaration.
@@ -60,6 +65,9 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     findings.retain(|finding| said.insert(finding.about.clone()));
     findings
 }
+
+/// Leaves laid out at most to try structures in another order: a text made to take long has more.
+const MOST_LEAVES: u64 = 1_000_000;
 
 fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
     let order = order::smallest(&block.members, block.rules, block.majorness)?;
@@ -74,12 +82,10 @@ fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
     );
     let place = Place::of(&subject.shader.files, block.span);
     let help = advice(&reordered.members, old, new, "");
-    Some(
-        Finding::new(LINT.code, &*block.name, place, message)
-            .with_note("every copy of the block has to follow the change")
-            .with_listing(listing(subject.shader, &layout))
-            .with_help(help),
-    )
+    let finding = Finding::new(LINT.code, &*block.name, place, message)
+        .with_note("every copy of the block has to follow the change")
+        .with_help(help);
+    Some(Finding { listing: listing(subject.shader, &layout), ..finding })
 }
 
 /// A structure, with one of the ways it is laid out.
@@ -134,11 +140,8 @@ fn of_structure(subject: &Subject<'_>, one: &Use, blocks: &[Block]) -> Option<Fi
         blocks.iter().map(|block| Some((lay_out(block).ok()?.size?, replaced(block)?))).collect();
     // Other rules may want another order: nothing is gained where a block grows.
     let sizes = sizes.filter(|sizes| sizes.iter().all(|(old, new)| new <= old))?;
-    let message = format!(
-        "`{}` is {}: in another order its members take {new}",
-        structure.name,
-        bytes(old),
-    );
+    let message =
+        format!("`{}` is {}: in another order its members take {new}", structure.name, bytes(old),);
     let place = Place::of(&subject.shader.files, structure.span);
     let mut finding = Finding::new(LINT.code, &*structure.name, place, message)
         .with_help(advice(&members, old, new, " each"));

@@ -13,6 +13,8 @@ mod types;
 
 use std::rc::Rc;
 
+use rustc_hash::FxHashSet;
+
 use super::settings::{RustFile, RustMirror};
 use super::walk::{bytes, listing};
 use super::{Check, Finding, Level, Lint, Place, Settings, Subject};
@@ -112,8 +114,10 @@ pub fn laid_out(file: &RustFile, structure: &str) -> Result<RustLayout, Error> {
 
 fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Finding> {
     let mut findings: Vec<Finding> = Vec::new();
+    let mut said = FxHashSet::default();
     for file in &settings.rust_files {
-        let mine = settings.rust_mirrors.iter().filter(|mirror| same_file(&mirror.file, &file.path));
+        let mine =
+            settings.rust_mirrors.iter().filter(|mirror| same_file(&mirror.file, &file.path));
         let mine: Vec<&RustMirror> = mine.collect();
         if mine.is_empty() && !file.text.contains("landfall: mirror") {
             continue;
@@ -127,14 +131,11 @@ fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Fin
                 format!("`{}` {}", error.path, error.message),
             )],
         };
-        for finding in found {
-            // Many shaders with one block say the same.
-            if finding.code == code
-                && !findings.iter().any(|f| f.message == finding.message && f.place == finding.place)
-            {
-                findings.push(finding);
-            }
-        }
+        // Many shaders with one block say the same.
+        let mut new = |finding: &Finding| {
+            finding.code == code && said.insert((finding.place.clone(), finding.message.clone()))
+        };
+        findings.extend(found.into_iter().filter(|finding| new(finding)));
     }
     findings
 }
@@ -184,7 +185,8 @@ fn of_mirror(
 ) -> Vec<Finding> {
     let structures = &declarations.structures;
     let Some(index) = structures.iter().position(|s| s.name == mirror.structure) else {
-        let message = format!("there is no structure `{}` to mirror `{}`", mirror.structure, mirror.block);
+        let message =
+            format!("there is no structure `{}` to mirror `{}`", mirror.structure, mirror.block);
         let finding = Finding::new(LINT.code, &*mirror.structure, mirror.place.clone(), message);
         let near = nearest(&mirror.structure, structures.iter().map(|s| s.name.as_str()));
         return vec![match near {
@@ -213,7 +215,8 @@ fn of_mirror(
     let laid = match Types::new(declarations).structure(index) {
         Ok(ty) => ty,
         Err(Unknown(cause)) => {
-            let message = format!("`{}` cannot be held against `{}`: {cause}", own.name, mirror.block);
+            let message =
+                format!("`{}` cannot be held against `{}`: {cause}", own.name, mirror.block);
             let finding = Finding::new(UNKNOWN.code, &*own.name, own.place.clone(), message);
             findings.push(finding);
             return findings;
@@ -298,9 +301,9 @@ fn reported(declarations: &Declarations, target: &Target<'_, '_>, one: Differenc
         finding = finding.with_related(place, one.member_text);
     }
     finding.notes = one.notes;
+    finding.listing = listing(target.subject.shader, target.block);
     finding
         .with_note(format!("held against `{}` of `{}`", target.name, target.subject.shader.path))
-        .with_listing(listing(target.subject.shader, target.block))
         .with_help(one.help)
 }
 
@@ -329,12 +332,11 @@ fn size(
         Some(more) => format!("end it with {}", padding(size, more)),
         None => format!("make it {} shorter", bytes(size - needed)),
     };
-    Some(
-        Finding::new(LINT.code, name.as_str(), structure.place.clone(), message)
-            .with_text(bytes(size))
-            .with_related(place, bytes(needed))
-            .with_note(format!("held against `{}` of `{}`", target.name, target.subject.shader.path))
-            .with_listing(listing(target.subject.shader, target.block))
-            .with_help(help),
-    )
+    let note = format!("held against `{}` of `{}`", target.name, target.subject.shader.path);
+    let finding = Finding::new(LINT.code, name.as_str(), structure.place.clone(), message)
+        .with_text(bytes(size))
+        .with_related(place, bytes(needed))
+        .with_note(note)
+        .with_help(help);
+    Some(Finding { listing: listing(target.subject.shader, target.block), ..finding })
 }

@@ -79,8 +79,14 @@ fn descend<'a>(
     }
 }
 
+/// Larger blocks are not listed beside a finding.
+const LONGEST_LISTING: usize = 500;
+
 /// A block's listing, without the line that names the file.
-pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> String {
+pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<String> {
+    if block.leaves.len() > LONGEST_LISTING {
+        return None;
+    }
     let alone = ShaderLayout {
         path: String::new(),
         blocks: vec![block.clone()],
@@ -90,7 +96,7 @@ pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> String {
         ..*shader
     };
     let text = emit::document(&alone, &EmitOptions::new(Format::Listing));
-    text.split_once('\n').map_or(String::new(), |(_, rest)| rest.trim().to_string())
+    text.split_once('\n').map(|(_, rest)| rest.trim().to_string())
 }
 
 /// `vec4 w[16]`, `w: array<vec4<f32>, 16>`.

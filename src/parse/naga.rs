@@ -84,11 +84,7 @@ fn glsl_module(text: &str, stage: Option<Stage>) -> Option<Module> {
     glsl_whole(text, stage, &[])
 }
 
-fn glsl_whole(
-    text: &str,
-    stage: Option<Stage>,
-    defines: &[(String, String)],
-) -> Option<Module> {
+fn glsl_whole(text: &str, stage: Option<Stage>, defines: &[(String, String)]) -> Option<Module> {
     let stage = match stage {
         Some(Stage::Vertex) | None => naga::ShaderStage::Vertex,
         Some(Stage::Fragment) => naga::ShaderStage::Fragment,

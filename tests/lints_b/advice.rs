@@ -20,9 +20,9 @@ fn a_scalar_in_a_vec3s_slot_is_reported_with_both_offsets() {
 #[test]
 fn a_scalar_that_a_copy_cannot_misplace_is_not_reported() {
     for members in [
-        "    float gain;\n    vec3 color;",  // in front
-        "    vec3 color;\n    vec4 gain;",   // at 16 for everybody
-        "    vec4 color;\n    float gain;",  // no slot is left open
+        "    float gain;\n    vec3 color;",    // in front
+        "    vec3 color;\n    vec4 gain;",     // at 16 for everybody
+        "    vec4 color;\n    float gain;",    // no slot is left open
         "    vec3 color[2];\n    float gain;", // an array's end is rounded: 32
         "    mat3 color;\n    float gain;",
     ] {
@@ -60,7 +60,10 @@ fn a_vec3_array_is_reported_with_both_distances() {
         "3:10 elements of `samples` are 16 bytes apart: packed `vec3`s are 12 apart, and only the \
          first lands"
     );
-    assert!(help(&finding).contains("declare `vec4 samples[7]`: 112 bytes as before"), "{finding:?}");
+    assert!(
+        help(&finding).contains("declare `vec4 samples[7]`: 112 bytes as before"),
+        "{finding:?}"
+    );
     assert_eq!(found("vec3-array", "a.frag", &std140("    vec4 samples[7];\n    vec3 one;")), []);
 }
 
@@ -144,7 +147,10 @@ fn packings_have_room_for_every_element() {
         ("int n[5];", "declare `ivec4 n[2]` and read `n[i / 4][i % 4]`: 32 bytes, 48 saved"),
         ("float w[4];", "declare `vec4 w` and read `w[i]`: 16 bytes, 48 saved"),
         ("vec2 p[3];", "declare `vec4 p[2]` and read `p[i / 2].xy` or `.zw`: 32 bytes, 16 saved"),
-        ("float f[2][9];", "declare `vec4 f[2][3]` and read `f[i][j / 4][j % 4]`: 96 bytes, 192 saved"),
+        (
+            "float f[2][9];",
+            "declare `vec4 f[2][3]` and read `f[i][j / 4][j % 4]`: 96 bytes, 192 saved",
+        ),
         ("double d[4];", "declare `dvec2 d[2]` and read `d[i / 2][i % 2]`: 32 bytes, 32 saved"),
     ];
     for (member, wanted) in cases {

@@ -55,7 +55,10 @@ fn elements_of_one_leaf_are_one_finding() {
         {"path":"w[]","element":"w[2]","reader":"gpu","expected_byte":32,"byte_read":8}]}]}]}"#;
     let found = findings("verify.json", text, &[]).expect("a report");
     assert_eq!(found.len(), 1);
-    assert!(found[0].message.contains("`w[1]` of block `B` from byte 4 instead of 16"), "{found:?}");
+    assert!(
+        found[0].message.contains("`w[1]` of block `B` from byte 4 instead of 16"),
+        "{found:?}"
+    );
     assert!(found[0].notes[0].starts_with("1 further element of `w[]` is read"), "{found:?}");
 }
 
@@ -63,7 +66,10 @@ fn elements_of_one_leaf_are_one_finding() {
 fn what_is_no_report_is_refused_with_its_place() {
     let whole = report("16");
     let cut = findings("verify.json", &whole[..whole.len() / 2], &[]).expect_err("cut off");
-    assert!(cut.message.starts_with("is no report of `landfall verify`: EOF while parsing"), "{cut}");
+    assert!(
+        cut.message.starts_with("is no report of `landfall verify`: EOF while parsing"),
+        "{cut}"
+    );
     let newer = whole.replace("\"schema_version\":1", "\"schema_version\":2");
     let newer = findings("verify.json", &newer, &[]).expect_err("of a newer version");
     assert!(newer.message.contains("schema version 2; this landfall reads 1"), "{newer}");

@@ -7,12 +7,12 @@ mod advice;
 mod driver;
 #[cfg(feature = "cli")]
 mod mirror;
+mod naga;
+mod reorder;
 #[cfg(feature = "cli")]
 #[path = "../mirrors/rustc.rs"]
 #[allow(dead_code, reason = "another test binary uses the rest of it")]
 mod rustc;
-mod naga;
-mod reorder;
 mod used;
 mod variants;
 

@@ -17,7 +17,8 @@ fn rust(text: &str) -> RustFile {
 /// What the lint of that code finds of Rust texts and shaders.
 fn asked(code: &str, settings: &Settings, shaders: &[(&str, &str)]) -> Vec<Finding> {
     let options = Options::default();
-    let sources: Vec<Source> = shaders.iter().map(|(path, text)| Source::new(*path, *text)).collect();
+    let sources: Vec<Source> =
+        shaders.iter().map(|(path, text)| Source::new(*path, *text)).collect();
     let layouts: Vec<_> = sources.iter().map(|source| layout(source, &options)).collect();
     assert!(layouts.iter().all(|shader| !shader.has_errors()), "{layouts:#?}");
     let subjects: Vec<Subject<'_>> = sources
@@ -44,7 +45,9 @@ fn held(text: &str, shader: &str) -> Vec<Finding> {
 fn light(fields: &str, members: &str) -> Vec<Finding> {
     held(
         &format!("// landfall: mirror(Light)\n#[repr(C)]\nstruct Light {{\n{fields}\n}}\n"),
-        &format!("#version 430\nlayout(std140) uniform Light {{\n{members}\n}};\nvoid main() {{}}\n"),
+        &format!(
+            "#version 430\nlayout(std140) uniform Light {{\n{members}\n}};\nvoid main() {{}}\n"
+        ),
     )
 }
 
@@ -60,7 +63,7 @@ fn a_field_before_its_byte_is_reported_with_both_numbers_and_the_padding() {
     );
     assert_eq!(lines(&found), ["5:5 `color` is at byte 12 of `Light`, the shader reads it at 16"]);
     assert_eq!(help(&found[0]), "put `_pad_12: [u8; 4]` before `color`");
-    assert_eq!(found[0].notes[0], "`gain` is off by the same 4 bytes: it this moves as well");
+    assert_eq!(found[0].notes[0], "`gain` is off by the same 4 bytes and lands once this does");
     assert_eq!((found[0].place.path.as_str(), found[0].place.end_column), ("src/light.rs", 10));
     let member = &found[0].related[0].place;
     assert_eq!((member.path.as_str(), member.line, member.column), ("a.frag", 4, 10));
@@ -75,10 +78,8 @@ fn the_same_with_the_padding_is_right() {
 
 #[test]
 fn a_scalar_behind_an_aligned_vec3_is_reported() {
-    let found = light(
-        "    color: glam::Vec3A,\n    gain: f32,",
-        "    vec3 color;\n    float gain;",
-    );
+    let found =
+        light("    color: glam::Vec3A,\n    gain: f32,", "    vec3 color;\n    float gain;");
     assert_eq!(lines(&found), ["5:5 `gain` is at byte 16 of `Light`, the shader reads it at 12"]);
     assert_eq!(help(&found[0]), "make `color` 12 bytes: `gain` follows at once in the shader");
     assert_eq!(light("color: glam::Vec3, gain: f32,", "vec3 color; float gain;"), []);
@@ -94,7 +95,8 @@ fn elements_too_close_together_are_reported_with_both_strides() {
     assert_eq!(help(&found[0]), "make it `[[f32; 4]; 64]`");
     let found = light("    s: [[f32; 3]; 7],", "    vec3 s[7];");
     assert!(said(&found[0]).ends_with("12 bytes apart, the shader's `vec3`s are 16 apart"));
-    for fields in ["w: [[f32; 4]; 64],", "w: [glam::Vec4; 64],", "w: [f32; 256],", "w: [u8; 1024],"] {
+    for fields in ["w: [[f32; 4]; 64],", "w: [glam::Vec4; 64],", "w: [f32; 256],", "w: [u8; 1024],"]
+    {
         assert_eq!(light(fields, "float w[64];"), [], "{fields}");
     }
 }
@@ -110,7 +112,10 @@ fn lengths_are_compared_with_their_constants() {
     let shader = "#version 330\nlayout(std140) uniform Light { vec4 at[8]; };\nvoid main() {}\n";
     assert_eq!(held(&text("LIGHTS"), shader), []);
     let found = held(&text("LIGHTS + 1"), shader);
-    assert!(said(&found[0]).contains("`at` of `Light` has 9 elements, the shader's has 8"), "{found:?}");
+    assert!(
+        said(&found[0]).contains("`at` of `Light` has 9 elements, the shader's has 8"),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -152,18 +157,19 @@ fn bits_of_another_kind_are_reported() {
 
 #[test]
 fn missing_and_extra_fields_are_told_from_renamed_ones() {
-    let found = light("    color: [f32; 3],\n    gain: f32,", "    vec3 color;\n    float intensity;");
-    assert_eq!(
-        lines(&found),
-        ["5:5 `Light` has no field `intensity`; at its byte 12 is `gain`"]
-    );
+    let found =
+        light("    color: [f32; 3],\n    gain: f32,", "    vec3 color;\n    float intensity;");
+    assert_eq!(lines(&found), ["5:5 `Light` has no field `intensity`; at its byte 12 is `gain`"]);
     let found = light("    color: [f32; 4],", "    vec4 color;\n    float intensity;");
     assert_eq!(
         lines(&found),
         ["3:8 `Light` has no field `intensity`, which the shader reads at 16"]
     );
     let found = light("    color: [f32; 4],\n    gain: [f32; 4],", "    vec4 color;");
-    assert_eq!(lines(&found), ["5:5 `gain` of `Light`, 16 bytes at 16, is no member in the shader"]);
+    assert_eq!(
+        lines(&found),
+        ["5:5 `gain` of `Light`, 16 bytes at 16, is no member in the shader"]
+    );
     // Padding has no counterpart and needs none.
     assert_eq!(light("color: [f32; 4], _end: [f32; 4],", "vec4 color;"), []);
     assert_eq!(light("color: [f32; 3], last: f32,", "vec3 color; float last;"), []);
@@ -251,7 +257,8 @@ struct Point { vec4 at; };
 layout(std430) buffer Points { uint count; Point data[]; };
 void main() {}
 ";
-    let header = "// landfall: mirror(Points)\n#[repr(C)] struct Points { count: u32, _p: [u32; 3] }\n";
+    let header =
+        "// landfall: mirror(Points)\n#[repr(C)] struct Points { count: u32, _p: [u32; 3] }\n";
     assert_eq!(held(header, shader), []);
     let tail = "#[repr(C)] struct Point { at: [f32; 4] }
 // landfall: mirror(Points)
@@ -260,12 +267,16 @@ void main() {}
     assert_eq!(held(tail, shader), []);
     let bad = tail.replace("[f32; 4]", "[f32; 3]");
     let found = held(&bad, shader);
-    assert!(said(&found[0]).contains("elements 12 bytes apart, the shader's `Point`s are 16"), "{found:?}");
+    assert!(
+        said(&found[0]).contains("elements 12 bytes apart, the shader's `Point`s are 16"),
+        "{found:?}"
+    );
 }
 
 #[test]
 fn the_configuration_names_mirrors_aliases_and_shaders() {
-    let shader = "#version 330\nlayout(std140) uniform Light { vec4 color; vec4 at; };\nvoid main() {}\n";
+    let shader =
+        "#version 330\nlayout(std140) uniform Light { vec4 color; vec4 at; };\nvoid main() {}\n";
     let other = "#version 330\nlayout(std140) uniform Light { vec4 other; };\nvoid main() {}\n";
     let mirror = RustMirror {
         file: "src/light.rs".to_string(),
@@ -276,11 +287,8 @@ fn the_configuration_names_mirrors_aliases_and_shaders() {
         ..RustMirror::default()
     };
     let file = rust("#[repr(C)] struct Lamp { color: [f32; 4], position: [f32; 4] }\n");
-    let settings = Settings {
-        rust_mirrors: vec![mirror],
-        rust_files: vec![file],
-        ..Settings::default()
-    };
+    let settings =
+        Settings { rust_mirrors: vec![mirror], rust_files: vec![file], ..Settings::default() };
     let shaders = [("shaders/sun.frag", shader), ("old/sun.frag", other)];
     assert_eq!(asked("rust-mirror", &settings, &shaders), []);
     assert_eq!(asked("rust-mirror-unknown", &settings, &shaders), []);
@@ -296,7 +304,10 @@ fn what_cannot_be_judged_is_said_and_not_blamed() {
         ("color: Option<f32>,", "field `color`: the layout of `Option` is not known"),
         ("color: [f32; SIZE],", "field `color`: constant `SIZE` is not known"),
         ("#[cfg(unix)] color: [f32; 4],", "a `cfg` decides if field `color` is there"),
-        ("color: [crate::math::Vec4; 2],", "field `color`: the layout of `crate::math::Vec4` is not known"),
+        (
+            "color: [crate::math::Vec4; 2],",
+            "field `color`: the layout of `crate::math::Vec4` is not known",
+        ),
     ];
     for (field, cause) in cases {
         let text = format!("// landfall: mirror(Light)\n#[repr(C)]\nstruct Light {{ {field} }}\n");
@@ -341,7 +352,9 @@ fn a_text_that_is_no_rust_is_refused_with_its_place() {
         let error = readable(&rust(text)).expect_err(text);
         assert!(error.message.contains(place), "{text}: {error}");
     }
-    assert!(readable(&rust("fn f() { anything goes [here] }\nmacro_rules! m { () => {} }")).is_ok());
+    assert!(
+        readable(&rust("fn f() { anything goes [here] }\nmacro_rules! m { () => {} }")).is_ok()
+    );
 }
 
 #[test]
@@ -352,9 +365,14 @@ fn hostile_rust_is_answered() {
         .map(|n| format!("#[repr(C)] struct S{n} {{ a: S{}, b: S{} }}\n", n - 1, n - 1))
         .collect();
     let doubling = format!("#[repr(C)] struct S0 {{ a: u8 }}\n{doubling}");
-    let constants: String = (1..60).map(|n| format!("const C{n}: usize = C{} + C{};\n", n - 1, n - 1)).collect();
+    let constants: String =
+        (1..60).map(|n| format!("const C{n}: usize = C{} + C{};\n", n - 1, n - 1)).collect();
     let constants = format!("{constants}struct A {{ a: [u8; C59] }}");
-    let empty = format!("struct A {{ a: {}u8; 0{} }}", "[".repeat(20), "; 64]".repeat(20).replacen("; 64", "", 1));
+    let empty = format!(
+        "struct A {{ a: {}u8; 0{} }}",
+        "[".repeat(20),
+        "; 64]".repeat(20).replacen("; 64", "", 1)
+    );
     let endless = "type A = B; type B = A; struct S59 { a: A }";
     let binary = "\u{0}\u{1}\u{2}";
     let braces = "{".repeat(10_000_000);

@@ -12,7 +12,9 @@ fn permutations(sets: &[&[(&str, &str)]]) -> Settings {
 }
 
 fn text(members: &str) -> String {
-    format!("#version 330 core\nlayout(std140) uniform Light {{\n{members}\n}} light;\nvoid main() {{}}\n")
+    format!(
+        "#version 330 core\nlayout(std140) uniform Light {{\n{members}\n}} light;\nvoid main() {{}}\n"
+    )
 }
 
 #[test]
@@ -31,8 +33,10 @@ fn the_first_difference_is_named_with_the_permutation_and_both_numbers() {
 #[test]
 fn macros_that_do_not_reach_a_layout_are_no_finding() {
     let settings = permutations(&[&[("SHADOWS", "1")], &[("UNHEARD_OF", "1")]]);
-    let good = text("    vec3 color;\n    float gain;")
-        .replace("void main() {}", "#ifdef SHADOWS\nuniform Map { float bias; };\n#endif\nvoid main() {}");
+    let good = text("    vec3 color;\n    float gain;").replace(
+        "void main() {}",
+        "#ifdef SHADOWS\nuniform Map { float bias; };\n#endif\nvoid main() {}",
+    );
     assert_eq!(found_with("define-changes-layout", "a.frag", &good, &settings), []);
 }
 
@@ -43,7 +47,9 @@ fn an_array_that_grows_is_found_where_it_stands() {
     let found = found_with("define-changes-layout", "a.frag", bad, &settings);
     assert_eq!(
         found.iter().map(said).collect::<Vec<_>>(),
-        ["3:33 block `B` is laid out otherwise under `LIGHTS=8`: `at[]` has 8 elements instead of 4"]
+        [
+            "3:33 block `B` is laid out otherwise under `LIGHTS=8`: `at[]` has 8 elements instead of 4"
+        ]
     );
     let same = permutations(&[&[("LIGHTS", "4")]]);
     assert_eq!(found_with("define-changes-layout", "a.frag", bad, &same), []);
@@ -76,7 +82,10 @@ fn a_permutation_that_breaks_the_shader_is_said() {
     let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].place.line, 5);
-    assert!(found[0].message.starts_with("under `BROKEN` the shader cannot be laid out: "), "{found:?}");
+    assert!(
+        found[0].message.starts_with("under `BROKEN` the shader cannot be laid out: "),
+        "{found:?}"
+    );
 }
 
 #[test]

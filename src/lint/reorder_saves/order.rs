@@ -14,6 +14,9 @@ use crate::shape::{Majorness, Member, Rules};
 /// States looked at; past it the order is built by a rule of thumb.
 const MOST_STATES: u64 = 20_000;
 
+/// Kinds of members that are ordered at all.
+const MOST_KINDS: usize = 1_000;
+
 /// Members alike: size, alignment, and their places in the text.
 struct Kind {
     size: u64,
@@ -38,8 +41,9 @@ pub(super) fn smallest(
     let mut kinds: Vec<Kind> = Vec::new();
     for (index, member) in members[..free].iter().enumerate() {
         let (size, align) = footprint(member, rules, majorness)?;
-        match kinds.iter_mut().find(|kind| (kind.size, kind.align) == (size, align)) {
-            Some(kind) => kind.members.push(index),
+        match kinds.iter().position(|kind| (kind.size, kind.align) == (size, align)) {
+            Some(kind) => kinds[kind].members.push(index),
+            None if kinds.len() == MOST_KINDS => return None,
             None => kinds.push(Kind { size, align, members: vec![index] }),
         }
     }

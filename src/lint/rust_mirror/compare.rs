@@ -5,7 +5,7 @@
 
 use std::rc::Rc;
 
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::fit::{View, fit};
 use super::types::{Laid, LaidField};
@@ -62,19 +62,30 @@ fn of_structure<'a>(
     found: &mut Vec<Difference>,
 ) {
     let matched = matching(laid, members, against.aliases);
+    let mut free = vec![true; laid.fields.len()];
+    matched.iter().flatten().for_each(|&index| free[index] = false);
+    // A field at the byte of a missing member may be that member under another name.
+    let mut at_byte: FxHashMap<u64, usize> = FxHashMap::default();
+    for (index, field) in laid.fields.iter().enumerate() {
+        if free[index] && field.ty.size > 0 {
+            at_byte.entry(field.offset).or_insert(index);
+        }
+    }
     let mut shift = Shift::default();
     for (member, field) in members.iter().zip(&matched) {
         let Some(index) = *field else {
             if !says_padding(&member.name) && member.size.is_some() {
-                found.push(missing(laid, member, &matched));
+                let there = at_byte.get(&member.offset.unwrap_or(0)).copied();
+                // It was said with the member.
+                there.into_iter().for_each(|index| free[index] = false);
+                found.push(missing(laid, member, there));
             }
             continue;
         };
         let field = &laid.fields[index];
         let offset = member.offset.unwrap_or(0);
         shift.follow(laid, index, offset, member, members, &matched, found);
-        let view =
-            View { member, rules: against.rules, language: against.language, dim: 0 };
+        let view = View { member, rules: against.rules, language: against.language, dim: 0 };
         if let Err(misfit) = fit(&field.ty, view, pairs) {
             found.push(Difference {
                 structure: laid.index,
@@ -89,15 +100,7 @@ fn of_structure<'a>(
     }
     let last = members.last();
     for (index, field) in laid.fields.iter().enumerate() {
-        let known = matched.contains(&Some(index));
-        if known || says_padding(&field.name) || field.ty.size == 0 {
-            continue;
-        }
-        // A field named otherwise at a missing member's byte was said with that member.
-        let renamed = members.iter().zip(&matched).any(|(member, matched)| {
-            matched.is_none() && member.offset == Some(field.offset) && !says_padding(&member.name)
-        });
-        if !renamed {
+        if free[index] && !says_padding(&field.name) && field.ty.size > 0 {
             found.push(Difference {
                 structure: laid.index,
                 field: Some(index),
@@ -127,20 +130,24 @@ fn matching(
     members: &[MemberLayout],
     aliases: &[(String, String)],
 ) -> Vec<Option<usize>> {
-    let position = |wanted: &dyn Fn(&str) -> bool| {
-        laid.fields.iter().position(|field| wanted(&field.name))
-    };
-    let of_member = |member: &MemberLayout| {
-        if let Some((_, field)) = aliases.iter().find(|(name, _)| **name == *member.name) {
-            return position(&|name| name == field);
+    // Of two fields that fold to one name the first counts.
+    let index = |key: &dyn Fn(&str) -> String| {
+        let mut index: FxHashMap<String, usize> = FxHashMap::default();
+        for (at, field) in laid.fields.iter().enumerate() {
+            index.entry(key(&field.name)).or_insert(at);
         }
-        position(&|name| *name == *member.name)
-            .or_else(|| position(&|name| folded(name) == folded(&member.name)))
-            .or_else(|| {
-                position(&|name| folded(without_prefix(name)) == folded(without_prefix(&member.name)))
-            })
+        index
     };
-    members.iter().map(of_member).collect()
+    let plain = |name: &str| folded(without_prefix(name));
+    let (exact, close, bare) = (index(&str::to_string), index(&folded), index(&plain));
+    let of_member = |member: &MemberLayout| {
+        let name = &*member.name;
+        if let Some((_, field)) = aliases.iter().find(|(alias, _)| *alias == *name) {
+            return exact.get(field);
+        }
+        exact.get(name).or_else(|| close.get(&folded(name))).or_else(|| bare.get(&plain(name)))
+    };
+    members.iter().map(|member| of_member(member).copied()).collect()
 }
 
 fn folded(name: &str) -> String {
@@ -160,13 +167,10 @@ pub(super) fn says_padding(name: &str) -> bool {
     name.starts_with('_') || name.to_ascii_lowercase().starts_with("pad")
 }
 
-fn missing(laid: &Laid, member: &MemberLayout, matched: &[Option<usize>]) -> Difference {
+fn missing(laid: &Laid, member: &MemberLayout, there: Option<usize>) -> Difference {
     let offset = member.offset.unwrap_or(0);
-    let there = laid.fields.iter().enumerate().find(|(index, field)| {
-        field.offset == offset && !matched.contains(&Some(*index)) && field.ty.size > 0
-    });
-    let (message, help) = match there {
-        Some((_, field)) => (
+    let (message, help) = match there.map(|index| &laid.fields[index]) {
+        Some(field) => (
             format!(
                 "`{}` has no field `{}`; at its byte {offset} is `{}`",
                 laid.name, member.name, field.name,
@@ -174,13 +178,16 @@ fn missing(laid: &Laid, member: &MemberLayout, matched: &[Option<usize>]) -> Dif
             format!("name it `{}`, or say with an alias that it is the same", member.name),
         ),
         None => (
-            format!("`{}` has no field `{}`, which the shader reads at {offset}", laid.name, member.name),
+            format!(
+                "`{}` has no field `{}`, which the shader reads at {offset}",
+                laid.name, member.name
+            ),
             format!("add `{}` at byte {offset}", member.name),
         ),
     };
     Difference {
         structure: laid.index,
-        field: there.map(|(index, _)| index),
+        field: there,
         member: Some(member.span),
         member_text: format!("read at byte {offset}"),
         message,
@@ -222,12 +229,12 @@ impl Shift {
         }
         if let Some(finding) = self.finding.and_then(|at| found.get_mut(at)) {
             self.followers.push(format!("`{}`", field.name));
-            let (it, they) = match self.followers.len() {
-                1 => ("is", "it"),
-                _ => ("are", "them"),
+            let (are, land) = match self.followers.len() {
+                1 => ("is", "lands"),
+                _ => ("are", "land"),
             };
             finding.notes = vec![format!(
-                "{} {it} off by the same {}: {they} this moves as well",
+                "{} {are} off by the same {} and {land} once this does",
                 first_few(&self.followers),
                 bytes(by.unsigned_abs() as u64),
             )];

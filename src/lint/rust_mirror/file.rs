@@ -97,6 +97,9 @@ pub(super) fn read(file: &RustFile) -> Result<Declarations, Error> {
     let tokens = TokenStream::from_str(text)
         .map_err(|cause| reader.refused(cause.span(), "it is no Rust", &cause.to_string()))?;
     reader.items(tokens)?;
+    // Modules were read last: what is looked for below is looked for in the order of the text.
+    reader.declarations.structures.sort_by_key(|structure| structure.keyword);
+    reader.literals.sort_by_key(|range| range.start);
     reader.comments();
     Ok(reader.declarations)
 }
@@ -112,17 +115,17 @@ struct Reader<'t> {
 impl Reader<'_> {
     fn place(&self, span: proc_macro2::Span) -> Place {
         let range = span.byte_range();
-        Place::of(
-            &self.files,
-            Span { file: 0, start: range.start as u32, end: range.end as u32 },
-        )
+        Place::of(&self.files, Span { file: 0, start: range.start as u32, end: range.end as u32 })
     }
 
     fn refused(&self, span: proc_macro2::Span, what: &str, cause: &str) -> Error {
         let place = self.place(span);
         Error::new(
             &place.path,
-            format!("cannot be read: {what} at line {}, column {}: {cause}", place.line, place.column),
+            format!(
+                "cannot be read: {what} at line {}, column {}: {cause}",
+                place.line, place.column
+            ),
         )
         .with_help("mend it, or leave it out of the mirrors that are checked")
     }
@@ -184,10 +187,15 @@ impl Reader<'_> {
         let from = item[0].span().byte_range().start;
         let keyword = item[at].span();
         if !bounded(&item) {
-            return Err(self.refused(keyword, "a structure nests too deeply", "landfall stops here"));
+            return Err(self.refused(
+                keyword,
+                "a structure nests too deeply",
+                "landfall stops here",
+            ));
         }
-        let parsed: syn::ItemStruct = parse(&item)
-            .map_err(|cause| self.refused(cause.span(), "a structure is no Rust", &cause.to_string()))?;
+        let parsed: syn::ItemStruct = parse(&item).map_err(|cause| {
+            self.refused(cause.span(), "a structure is no Rust", &cause.to_string())
+        })?;
         let repr = repr(&parsed.attrs);
         let fields = parsed.fields.into_iter().enumerate().map(|(index, field)| {
             let span = field.ident.as_ref().map_or_else(|| field.ty.span(), |name| name.span());
@@ -195,7 +203,7 @@ impl Reader<'_> {
             Field {
                 name: field.ident.as_ref().map_or_else(|| index.to_string(), unraw),
                 place: self.place(span),
-                                written: self.text.get(range).unwrap_or("").to_string(),
+                written: self.text.get(range).unwrap_or("").to_string(),
                 conditional: field.attrs.iter().any(|attr| attr.path().is_ident("cfg")),
                 ty: field.ty,
             }
@@ -216,7 +224,8 @@ impl Reader<'_> {
     /// `const NAME: T = …;`; associated to nothing, not a `const fn`.
     fn constant(&mut self, item: &[TokenTree]) {
         let [_, TokenTree::Ident(name), TokenTree::Punct(colon), ..] = item else { return };
-        let equals = item.iter().position(|t| matches!(t, TokenTree::Punct(p) if p.as_char() == '='));
+        let equals =
+            item.iter().position(|t| matches!(t, TokenTree::Punct(p) if p.as_char() == '='));
         let Some(equals) = equals.filter(|_| colon.as_char() == ':') else { return };
         let value = &item[equals + 1..item.len().saturating_sub(1)];
         if bounded(value) {
@@ -249,7 +258,7 @@ impl Reader<'_> {
             let line = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
             let end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
             let own = text[line..at].trim();
-            if own != "//" || self.literals.iter().any(|range| range.contains(&at)) {
+            if own != "//" || self.in_literal(at) {
                 continue;
             }
             let rest = text[at + MARK.len()..end].trim_start();
@@ -267,11 +276,16 @@ impl Reader<'_> {
         }
     }
 
+    fn in_literal(&self, at: usize) -> bool {
+        let before = self.literals.partition_point(|range| range.start <= at);
+        before.checked_sub(1).is_some_and(|last| self.literals[last].contains(&at))
+    }
+
     /// The structure that a comment ending there stands above: nothing but attributes and
     /// further comments between.
     fn below(&self, end: usize) -> Option<String> {
-        let next = self.declarations.structures.iter().filter(|s| s.keyword >= end);
-        let next = next.min_by_key(|s| s.keyword)?;
+        let structures = &self.declarations.structures;
+        let next = structures.get(structures.partition_point(|s| s.keyword < end))?;
         // Inside its attributes, or right before the first of them.
         let between = self.text.get(end..next.from.max(end))?;
         let blank = between.lines().all(|line| {
@@ -387,7 +401,11 @@ fn repr(attributes: &[syn::Attribute]) -> Repr {
     repr
 }
 
-fn imports(tree: &syn::UseTree, path: &mut Vec<String>, found: &mut FxHashMap<String, Vec<String>>) {
+fn imports(
+    tree: &syn::UseTree,
+    path: &mut Vec<String>,
+    found: &mut FxHashMap<String, Vec<String>>,
+) {
     match tree {
         syn::UseTree::Path(step) => {
             path.push(unraw(&step.ident));

@@ -230,7 +230,8 @@ fn components(member: &MemberLayout) -> (Scalar, Vec<u64>) {
             let width = u64::from(scalar.width);
             let vector = matrix_vector(member).expect("a matrix has columns");
             let stride = member.matrix_stride.unwrap_or(vector.bytes);
-            let of = |column| (0..vector.bytes / width).map(move |row| column * stride + row * width);
+            let of =
+                |column| (0..vector.bytes / width).map(move |row| column * stride + row * width);
             (scalar, (0..vector.count).flat_map(of).collect())
         }
         Type::Address(_) => (Scalar::U64, vec![0]),
@@ -308,10 +309,9 @@ fn fits_component(scalar: &(&'static str, u64, ScalarKind), leaf: &Type) -> bool
 
 fn is_float(kind: ScalarKind) -> bool {
     match kind {
-        ScalarKind::Float
-        | ScalarKind::Bfloat
-        | ScalarKind::FloatE5m2
-        | ScalarKind::FloatE4m3 => true,
+        ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
+            true
+        }
         ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint => false,
     }
 }

@@ -152,7 +152,8 @@ fn generic(name: &str, arguments: &[Argument]) -> Option<RustType> {
             return RustType::array(component, count(digits)?);
         }
     }
-    let digits = ["ColumnMatrix", "RowMatrix", "Matrix"].iter().find_map(|p| name.strip_prefix(p))?;
+    let digits =
+        ["ColumnMatrix", "RowMatrix", "Matrix"].iter().find_map(|p| name.strip_prefix(p))?;
     match digits.split_once('x') {
         // nalgebra's `Matrix3x4` has 3 rows; mint's, stored by rows, are left out.
         Some((rows, columns)) if name.starts_with('M') => {

@@ -29,7 +29,8 @@ pub(super) fn targets<'s, 'a>(
     mirror: &RustMirror,
 ) -> (Vec<Target<'s, 'a>>, usize) {
     let (mut found, mut shaders) = (Vec::new(), 0);
-    for subject in subjects.iter().filter(|subject| is_named(&subject.shader.path, &mirror.shader)) {
+    for subject in subjects.iter().filter(|subject| is_named(&subject.shader.path, &mirror.shader))
+    {
         shaders += 1;
         for block in subject.shader.blocks.iter().filter(|block| block.size.is_some()) {
             let names = [Some(&block.name), block.instance.as_ref()];
@@ -46,7 +47,8 @@ pub(super) fn targets<'s, 'a>(
 /// Whether a shader is the one named: by its path, the end of it, or a glob.
 fn is_named(path: &str, glob: &str) -> bool {
     let glob = glob.trim_start_matches("./");
-    if glob.is_empty() || path == glob || path.strip_suffix(glob).is_some_and(|p| p.ends_with('/')) {
+    if glob.is_empty() || path == glob || path.strip_suffix(glob).is_some_and(|p| p.ends_with('/'))
+    {
         return true;
     }
     let glob = GlobBuilder::new(glob).literal_separator(true).build();

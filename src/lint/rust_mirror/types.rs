@@ -22,9 +22,15 @@ pub(super) struct RustType {
 
 #[derive(Clone)]
 pub(super) enum Shape {
-    Scalar { kind: ScalarKind, name: &'static str },
+    Scalar {
+        kind: ScalarKind,
+        name: &'static str,
+    },
     /// An array, a vector, or a matrix as an array of its columns.
-    Array { element: Rc<RustType>, len: u64 },
+    Array {
+        element: Rc<RustType>,
+        len: u64,
+    },
     Struct(Rc<Laid>),
 }
 
