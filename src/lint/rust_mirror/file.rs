@@ -162,20 +162,16 @@ impl Reader<'_> {
             }
             "struct" => self.structure(item, at)?,
             "const" | "static" => self.constant(&item[at..]),
-            "type" => {
-                if bounded(&item) {
-                    if let Ok(alias) = parse::<syn::ItemType>(&item) {
-                        if alias.generics.params.is_empty() {
-                            self.declarations.aliases.insert(alias.ident.to_string(), *alias.ty);
-                        }
+            "type" if bounded(&item) => {
+                if let Ok(alias) = parse::<syn::ItemType>(&item) {
+                    if alias.generics.params.is_empty() {
+                        self.declarations.aliases.insert(alias.ident.to_string(), *alias.ty);
                     }
                 }
             }
-            "use" => {
-                if bounded(&item) {
-                    if let Ok(import) = parse::<syn::ItemUse>(&item) {
-                        imports(&import.tree, &mut Vec::new(), &mut self.declarations.imports);
-                    }
+            "use" if bounded(&item) => {
+                if let Ok(import) = parse::<syn::ItemUse>(&item) {
+                    imports(&import.tree, &mut Vec::new(), &mut self.declarations.imports);
                 }
             }
             _ => {}

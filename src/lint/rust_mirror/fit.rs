@@ -92,7 +92,7 @@ fn array<'a>(
             format!("end `{}` with {} bytes of padding", laid.name, stride - inner.size)
         }
         (_, len) => match (scalar_of(inner), len) {
-            (Some((name, width, _)), Some(len)) if stride % width == 0 => {
+            (Some((name, width, _)), Some(len)) if stride.is_multiple_of(width) => {
                 format!("make it `[[{name}; {}]; {len}]`", stride / width)
             }
             (_, _) => format!("make each element {stride} bytes"),
