@@ -74,6 +74,26 @@ fn a_structure_copied_as_a_whole_uses_all_its_members() {
 }
 
 #[test]
+fn what_is_read_and_thrown_away_is_read() {
+    let text = "\
+struct Light { color: vec4f, at: vec4f }
+@group(0) @binding(0) var<uniform> a: Light;
+@group(0) @binding(1) var<uniform> b: vec4f;
+@group(0) @binding(2) var<storage> c: array<Light>;
+@fragment fn main() -> @location(0) vec4f {
+    let color = a.color;
+    let whole = c[1];
+    let at = whole.at;
+    _ = b;
+    return vec4f();
+}
+";
+    assert_eq!(found("unused-block", "a.wgsl", text), []);
+    // Of `Light` one variable reads `color` and the other `at`.
+    assert_eq!(found("unused-member", "a.wgsl", text), []);
+}
+
+#[test]
 fn a_structure_passed_by_pointer_or_written_is_used() {
     let text = "\
 struct Particle { at: vec3f, age: f32 }

@@ -34,11 +34,12 @@ pub(crate) fn used(
         Validator::new(ValidationFlags::empty(), Capabilities::all()).validate(&module).ok()
     })?;
     let mut touched: Vec<(Handle<GlobalVariable>, Vec<Step>)> = Vec::new();
+    let language = source.language;
     for (handle, function) in module.functions.iter() {
-        touches(&module, function, &info[handle], &mut touched);
+        touches(&module, function, &info[handle], language, &mut touched);
     }
     for (index, entry) in module.entry_points.iter().enumerate() {
-        touches(&module, &entry.function, info.get_entry_point(index), &mut touched);
+        touches(&module, &entry.function, info.get_entry_point(index), language, &mut touched);
     }
     let of_block = |block: &BlockLayout| {
         let variable = global_of(&module, block)?;
@@ -62,6 +63,7 @@ fn touches(
     module: &Module,
     function: &Function,
     info: &FunctionInfo,
+    language: Language,
     touched: &mut Vec<(Handle<GlobalVariable>, Vec<Step>)>,
 ) {
     // How often an expression is only the base of a further step.
@@ -77,19 +79,34 @@ fn touches(
         }
     }
     for (handle, _) in function.expressions.iter() {
-        if info[handle].ref_count > steps[handle.index()] {
-            touched.extend(way_to(module, function, handle));
+        let further = info[handle].ref_count > steps[handle.index()];
+        // `let x = u.a;`, `_ = u.a;` read `a`, though nothing reads `x`.
+        let last = info[handle].ref_count == 0;
+        if !further && !last {
+            continue;
+        }
+        let Some(way) = way_to(module, function, handle) else { continue };
+        // naga's GLSL puts every variable into every function: only what is loaded is mentioned.
+        let mentioned = match language {
+            Language::Wgsl => true,
+            Language::Glsl => way.loaded,
+        };
+        if further || mentioned {
+            touched.push((way.variable, way.steps));
         }
     }
 }
 
-/// The variable an expression is a place in, and the way there; `None` for values.
-fn way_to(
-    module: &Module,
-    function: &Function,
-    mut handle: Handle<Expression>,
-) -> Option<(Handle<GlobalVariable>, Vec<Step>)> {
-    let mut steps = Vec::new();
+/// The way from a variable to a place in it, or to the value there.
+struct Way {
+    variable: Handle<GlobalVariable>,
+    steps: Vec<Step>,
+    loaded: bool,
+}
+
+/// The variable an expression is a part of, and the way there; `None` for what is computed.
+fn way_to(module: &Module, function: &Function, mut handle: Handle<Expression>) -> Option<Way> {
+    let (mut steps, mut loaded) = (Vec::new(), false);
     loop {
         match function.expressions[handle] {
             Expression::GlobalVariable(variable) => {
@@ -98,7 +115,7 @@ fn way_to(
                     module.global_variables[variable].space,
                     naga::AddressSpace::Handle
                 ))
-                .then_some((variable, steps));
+                .then_some(Way { variable, steps, loaded });
             }
             Expression::AccessIndex { base, index } => {
                 steps.push(Step::Index(index));
@@ -108,7 +125,10 @@ fn way_to(
                 steps.push(Step::Any);
                 handle = base;
             }
-            Expression::Load { pointer } => handle = pointer,
+            Expression::Load { pointer } => {
+                loaded = true;
+                handle = pointer;
+            }
             _ => return None,
         }
     }
