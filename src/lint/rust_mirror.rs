@@ -7,6 +7,7 @@
 mod compare;
 mod file;
 mod fit;
+mod items;
 mod known;
 mod target;
 mod types;
