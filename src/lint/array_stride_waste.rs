@@ -54,9 +54,10 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let (message, help) = match (member.size, extent.size) {
         (Some(old), Some(new)) if new < old => (
             format!(
-                "`{}` is {}: its elements are {own} bytes, {stride} apart",
+                "`{}` is {}: its elements are {}, {stride} apart",
                 member.name,
                 bytes(old),
+                bytes(own),
             ),
             format!("declare `{declaration}` and read {read}: {}, {} saved", bytes(new), old - new),
         ),
