@@ -8,6 +8,7 @@
 pub mod c;
 mod csv;
 pub mod diagnostics;
+pub mod diff;
 mod expand;
 pub mod explain;
 pub mod hex;
@@ -21,6 +22,7 @@ mod table;
 pub mod values;
 mod words;
 
+pub use crate::lock::LOCK_SCHEMA;
 pub use expand::MOST_OFFSETS;
 pub use paint::Paint;
 

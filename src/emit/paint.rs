@@ -18,6 +18,8 @@ pub(super) const FAINT: Style = Style::new().dimmed();
 pub(super) const TYPE: Style = AnsiColor::Cyan.on_default();
 pub(super) const HEADING: Style = AnsiColor::Green.on_default().bold();
 pub(super) const CAUTION: Style = AnsiColor::Yellow.on_default();
+pub(super) const ADDED: Style = AnsiColor::Green.on_default();
+pub(super) const REMOVED: Style = AnsiColor::Red.on_default();
 
 impl Paint {
     /// The text in that style.
