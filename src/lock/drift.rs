@@ -69,7 +69,7 @@ fn drifted(about: &str, place: Place, message: String) -> Finding {
     found
 }
 
-fn of_block(compared: &Compared<'_>, block: &BlockDiff, lock_path: &str) -> Finding {
+fn of_block(compared: &Compared<'_>, block: &BlockDiff) -> Finding {
     let worst = &block.changes[0];
     let now = block.new.map(|at| &compared.new.blocks[at]);
     let was = block.old.map(|at| &compared.old.blocks[at]);

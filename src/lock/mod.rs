@@ -19,7 +19,7 @@ use crate::layout::BlockLayout;
 use crate::source::{Files, Language, Stage};
 
 pub use drift::{drift, orphan};
-pub use read::{read, read_all};
+pub use read::{is_newer, read, read_all};
 pub use write::{renew, write};
 
 /// Version of the form of locks; a change that could break a reader raises it.

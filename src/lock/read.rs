@@ -76,6 +76,18 @@ pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
         .collect()
 }
 
+/// Whether a text was written by a newer landfall than this one, so that it must not be lost.
+pub fn is_newer(text: &str) -> bool {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let Ok(Node { value: Value::Object(entries), .. }) = json::parse(text) else { return false };
+    entries.iter().any(|(key, _, node)| match &node.value {
+        Value::Number(written) if key == "schema_version" => {
+            written.parse::<u64>().is_ok_and(|version| version > u64::from(SCHEMA_VERSION))
+        }
+        _ => false,
+    })
+}
+
 /// The first line that git left in a file it could not merge.
 fn conflict(text: &str) -> Option<(usize, &str)> {
     let lines = text.lines().enumerate();

@@ -5,11 +5,13 @@
 
 mod args;
 mod decode;
+mod diff;
 mod emit;
 mod encode;
 mod explain;
 mod inputs;
 mod layout;
+mod lock;
 mod output;
 mod port;
 mod read;
@@ -33,6 +35,8 @@ fn main() -> ExitCode {
         Command::Port(args) => port::run(args, &streams),
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
+        Command::Lock(args) => lock::run(args, &streams),
+        Command::Diff(args) => diff::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {

@@ -10,6 +10,8 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Layout => emit::LAYOUT_SCHEMA,
         Schema::Explain => emit::EXPLAIN_SCHEMA,
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
+        Schema::Lock => emit::LOCK_SCHEMA,
+        Schema::Diff => emit::diff::DIFF_SCHEMA,
     })?;
     Ok(Outcome::Clean)
 }
