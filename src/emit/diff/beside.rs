@@ -2,7 +2,7 @@
 
 use unicode_width::UnicodeWidthStr;
 
-use crate::emit::paint::{ADDED, FAINT, REMOVED, STRONG};
+use crate::emit::paint::{ADDED, FAINT, REMOVED};
 use crate::emit::{Paint, words};
 use crate::layout::measure::element_size;
 use crate::layout::padding::{PaddingOwner, gaps, in_text_order};
