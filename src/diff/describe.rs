@@ -219,6 +219,19 @@ impl Out<'_> {
             (Some((a, _)), Some((b, last))) if a == b => bare(last),
             _ => now,
         };
+        if name == now {
+            // `x` and `x[]` are other paths, but the name is the same.
+            let types = [(self.old, from), (self.new, to)].map(|(block, path)| {
+                let member = member(&block.layout.members, path);
+                member.map(|m| m.ty.spelled(block.side.language).to_string()).unwrap_or_default()
+            });
+            let [was, is] = types;
+            let message =
+                format!("`{name}` is `{is}` now, was `{was}`: what it had stays in place");
+            let values = (Some(was), Some(is));
+            self.say(start(leaf), (Kind::Reshaped, Class::Cosmetic), from, values, message);
+            return;
+        }
         let message = format!("`{name}` is called `{short}` now, in the same place");
         let values = (Some(name.to_string()), Some(now.to_string()));
         self.say(start(leaf), (Kind::Renamed, Class::Cosmetic), from, values, message);

@@ -2,7 +2,7 @@
 //!
 //! Uses [`super::elements`]; what it finds is put into words by [`super::describe`].
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::elements::{
     MOST_ELEMENTS, bytes, common, contains, count, covers, places, same, same_kind,
@@ -250,7 +250,8 @@ const MOST_LOOKED_UP: usize = 512;
 fn lies(rest: &Rest<'_>, old: &BlockLayout, intact: bool) -> Option<New> {
     let places = match rest.places() {
         Some(mut places) => {
-            places.retain(|place| !rest.matched.contains(place));
+            let matched: FxHashSet<u64> = rest.matched.iter().copied().collect();
+            places.retain(|place| !matched.contains(place));
             places
         }
         None => vec![first(rest)],

@@ -53,6 +53,8 @@ pub enum Kind {
     Moved,
     Retyped,
     Renamed,
+    /// A member became an array, or an array one of other dimensions, over the same elements.
+    Reshaped,
     Appended,
     Inserted,
     PaddingUsed,
@@ -89,6 +91,7 @@ impl Kind {
             Kind::Moved => "moved",
             Kind::Retyped => "retyped",
             Kind::Renamed => "renamed",
+            Kind::Reshaped => "reshaped",
             Kind::Appended => "appended",
             Kind::Inserted => "inserted",
             Kind::PaddingUsed => "padding-used",

@@ -72,8 +72,9 @@ impl Text {
         let numbers =
             [("group", block.group.map(u64::from)), ("binding", block.binding.map(u64::from))];
         lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
-        if !block.count.is_empty() {
-            lines.push(("count", count(&block.count)));
+        let count = count(&block.count);
+        if count != "1" {
+            lines.push(("count", count));
         }
         let numbers =
             [("size", block.size), ("data_size", block.data_size), ("align", block.align)];

@@ -150,8 +150,8 @@ fn edit_members(
             };
         }
         Edit::Add => {
-            let prefix = if block.instance.is_some() { "added" } else { "g_added" };
-            let mut member = Member::plain(prefix, Type::Basic(any_type(rng)));
+            let name = format!("added_{}", block.name);
+            let mut member = Member::plain(&name, Type::Basic(any_type(rng)));
             if rng.u32(0..4) == 0 {
                 let length = Some(rng.u32(1..4));
                 member.name_dims.push(Dim { length, spelling: Spelling::Decimal });
@@ -225,6 +225,30 @@ fn with(members: &[Member], new: &Rc<Struct>) -> Vec<Member> {
         Member { ty, ..member.clone() }
     };
     members.iter().map(replaced).collect()
+}
+
+/// The block with structures of its own, so that it can stand in one text with others.
+pub fn named_apart(block: &Block, number: usize) -> Block {
+    let mut block = block.clone();
+    for s in structures(&block) {
+        let name = format!("{}_{number}", s.name);
+        block.members = renamed(&block.members, &s.name, &name);
+    }
+    block
+}
+
+fn renamed(members: &[Member], old: &str, new: &str) -> Vec<Member> {
+    let one = |member: &Member| {
+        let ty = match &member.ty {
+            Type::Struct(s) => {
+                let name = if s.name == old { new.to_owned() } else { s.name.clone() };
+                Type::Struct(Rc::new(Struct { name, members: renamed(&s.members, old, new) }))
+            }
+            Type::Basic(basic) => Type::Basic(*basic),
+        };
+        Member { ty, ..member.clone() }
+    };
+    members.iter().map(one).collect()
 }
 
 /// The text with comments in it that say nothing true.
