@@ -1,7 +1,10 @@
 //! What happened to a block besides its bytes: size, rules, where it is bound, what things are
 //! called.
 
-use super::describe::member;
+use std::cell::OnceCell;
+
+use rustc_hash::FxHashMap;
+
 use super::{Block, Change, Class, Kind, shown_name};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Type};
@@ -169,17 +172,25 @@ fn below(
     changes: &[Change],
     found: &mut Vec<Change>,
 ) {
-    for a in old {
-        let Some(b) = member(new, &a.name) else { continue };
+    let by_name: OnceCell<FxHashMap<&str, &MemberLayout>> = OnceCell::new();
+    for (i, a) in old.iter().enumerate() {
+        // Most stand where they stood.
+        let same = new.get(i).filter(|b| b.name == a.name);
+        let other = || {
+            let names = by_name.get_or_init(|| new.iter().map(|b| (&*b.name, b)).collect());
+            names.get(&*a.name).copied()
+        };
+        let Some(b) = same.or_else(other) else { continue };
         let path =
             if parent.is_empty() { a.name.to_string() } else { format!("{parent}.{}", a.name) };
         if let (Type::Struct(x), Type::Struct(y)) = (a.ty.innermost(), b.ty.innermost()) {
-            let said = found.iter().any(|change| {
-                change.kind == Kind::StructureRenamed
-                    && (change.old.as_deref(), change.new.as_deref())
-                        == (Some(&*x.name), Some(&*y.name))
-            });
-            if x.name != y.name && !said {
+            let said = x.name == y.name
+                || found.iter().any(|change| {
+                    change.kind == Kind::StructureRenamed
+                        && (change.old.as_deref(), change.new.as_deref())
+                            == (Some(&*x.name), Some(&*y.name))
+                });
+            if !said {
                 let message =
                     format!("structure `{}` of `{path}` is called `{}` now", x.name, y.name);
                 found.push(Change {
@@ -192,11 +203,7 @@ fn below(
                 });
             }
         }
-        let touched = changes.iter().chain(found.iter()).any(|change| {
-            let plain = change.path.replace("[]", "");
-            plain == path || plain.strip_prefix(&path).is_some_and(|rest| rest.starts_with('.'))
-        });
-        if !touched && (a.align, a.size) != (b.align, b.size) && changes.is_empty() {
+        if changes.is_empty() && (a.align, a.size) != (b.align, b.size) {
             let number = |n: Option<u64>| n.map_or("any number of".to_string(), |n| n.to_string());
             let (what, was, is) = match a.align == b.align {
                 true => ("takes", number(a.size), number(b.size)),

@@ -2,7 +2,7 @@
 //!
 //! Reads [`super::leaves`].
 
-use std::collections::HashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::leaves::{Fact, New, What};
 use super::{Block, Change, Class, Kind};
@@ -11,7 +11,17 @@ use crate::shape::ArrayLen;
 
 /// The changes that those facts are, in the order of the bytes.
 pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec<Change> {
-    let mut out = Out { old, new, said: HashSet::new(), changes: Vec::new() };
+    if facts.is_empty() {
+        return Vec::new();
+    }
+    let mut out = Out {
+        old,
+        new,
+        old_members: by_path(old.layout),
+        new_members: by_path(new.layout),
+        said: FxHashMap::default(),
+        changes: Vec::new(),
+    };
     let moved = Group::of(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
         (What::Moved, Some(a), Some(b)) => Some((a, start(b).wrapping_sub(start(a)))),
         _ => None,
@@ -26,7 +36,7 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec
         (What::New(New::Reads(_)), Some(b)) => Some((b, 2)),
         _ => None,
     });
-    let renamed = Renames::of(facts, old.layout);
+    let mut renamed = Renames::of(facts, old.layout);
     for fact in facts {
         match (fact.old, fact.new) {
             (Some(a), Some(b)) => match &fact.what {
@@ -34,10 +44,10 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec
                 What::Renamed => out.renamed(renamed.pair(a, b), a),
                 what => out.both(a, b, what),
             },
-            (Some(a), None) => out.gone(gone.whole(a), a),
+            (Some(a), None) => out.gone(gone.whole(a)),
             (None, Some(b)) => {
                 if let What::New(how) = &fact.what {
-                    out.added(added.whole(b), b, how);
+                    out.added(added.whole(b), how);
                 }
             }
             (None, None) => {}
@@ -51,10 +61,10 @@ fn start(leaf: &Leaf) -> u64 {
     leaf.offset.unwrap_or(0)
 }
 
-/// Leaves that share a fate, so that a member can stand for all of its own.
+/// Which members stand for leaves that share a fate.
 struct Group<'a> {
-    /// The leaves of the block, and for each the fate it has.
-    fates: Vec<(&'a str, Option<u64>)>,
+    /// The fate of all leaves below a path; `None` where they differ.
+    below: FxHashMap<&'a str, Option<u64>>,
 }
 
 impl<'a> Group<'a> {
@@ -63,22 +73,30 @@ impl<'a> Group<'a> {
         block: &'a BlockLayout,
         fate: impl Fn(&Fact<'f>) -> Option<(&'f Leaf, u64)>,
     ) -> Group<'a> {
-        let of: rustc_hash::FxHashMap<&str, u64> = facts
+        let of: FxHashMap<&str, u64> = facts
             .iter()
             .filter_map(|fact| fate(fact).map(|(leaf, fate)| (leaf.path.as_str(), fate)))
             .collect();
-        let leaves = block.leaves.iter().map(|leaf| leaf.path.as_str());
-        Group { fates: leaves.map(|path| (path, of.get(path).copied())).collect() }
+        let mut below = FxHashMap::default();
+        if of.is_empty() {
+            return Group { below };
+        }
+        for leaf in &block.leaves {
+            let fate = of.get(leaf.path.as_str()).copied();
+            for prefix in prefixes(&leaf.path) {
+                let shared = below.entry(prefix).or_insert(fate);
+                if *shared != fate {
+                    *shared = None;
+                }
+            }
+        }
+        Group { below }
     }
 
     /// The shortest path that stands for a leaf and only for leaves of the same fate.
     fn whole<'p>(&self, leaf: &'p Leaf) -> &'p str {
-        let fate = self.fates.iter().find(|(path, _)| *path == leaf.path).and_then(|f| f.1);
-        let same = |prefix: &str| {
-            let mut below = self.fates.iter().filter(|(path, _)| is_below(path, prefix));
-            below.all(|(_, other)| *other == fate)
-        };
-        prefixes(&leaf.path).find(|prefix| same(prefix)).unwrap_or(&leaf.path)
+        let same = |prefix: &&str| self.below.get(prefix).is_some_and(Option::is_some);
+        prefixes(&leaf.path).find(same).unwrap_or(&leaf.path)
     }
 }
 
@@ -103,22 +121,25 @@ fn bare(path: &str) -> &str {
 
 /// Pairs of old and new paths that are renames, the ends they share cut off.
 struct Renames<'a> {
-    all: Vec<(&'a str, &'a str)>,
-    leaves: Vec<&'a str>,
+    all: FxHashSet<(&'a str, &'a str)>,
+    leaves: &'a [Leaf],
+    at: FxHashMap<&'a str, usize>,
+    /// Members that are known to be renamed as a whole, or not to be.
+    known: FxHashMap<(String, String), bool>,
 }
 
 impl<'a> Renames<'a> {
     fn of(facts: &[Fact<'a>], block: &'a BlockLayout) -> Renames<'a> {
         let renames = facts.iter().filter(|fact| fact.what == What::Renamed);
         let pair = |fact: &Fact<'a>| Some((fact.old?.path.as_str(), fact.new?.path.as_str()));
-        Renames {
-            all: renames.filter_map(pair).collect(),
-            leaves: block.leaves.iter().map(|leaf| leaf.path.as_str()).collect(),
-        }
+        let all: FxHashSet<_> = renames.filter_map(pair).collect();
+        let leaves = if all.is_empty() { &[] } else { block.leaves.as_slice() };
+        let at = leaves.iter().enumerate().map(|(i, leaf)| (leaf.path.as_str(), i)).collect();
+        Renames { all, leaves, at, known: FxHashMap::default() }
     }
 
     /// The members that are one, if all leaves of the old one are in the new one; else the leaves.
-    fn pair<'p>(&self, old: &'p Leaf, new: &'p Leaf) -> (&'p str, &'p str) {
+    fn pair<'p>(&mut self, old: &'p Leaf, new: &'p Leaf) -> (&'p str, &'p str) {
         let (mut a, mut b) = (old.path.as_str(), new.path.as_str());
         while let (Some((rest_a, end_a)), Some((rest_b, end_b))) =
             (a.rsplit_once('.'), b.rsplit_once('.'))
@@ -129,21 +150,57 @@ impl<'a> Renames<'a> {
             }
             (a, b) = (rest_a, rest_b);
         }
-        let follows = |path: &&str| {
-            let rest = &path[a.len()..];
-            self.all.iter().any(|(x, y)| x == path && y.strip_prefix(b) == Some(rest))
+        let key = (a.to_string(), b.to_string());
+        let whole = match self.known.get(&key) {
+            Some(whole) => *whole,
+            None => {
+                let whole = self.is_whole(old, a, b);
+                self.known.insert(key, whole);
+                whole
+            }
         };
-        let below = self.leaves.iter().filter(|path| is_below(path, a));
-        let all = below.clone().all(follows);
-        if all { (a, b) } else { (&old.path, &new.path) }
+        if whole { (a, b) } else { (&old.path, &new.path) }
     }
+
+    fn is_whole(&self, leaf: &Leaf, a: &str, b: &str) -> bool {
+        // The leaves of a member stand together.
+        let at = self.at.get(leaf.path.as_str()).copied().unwrap_or(0);
+        let is_below = |leaf: &&Leaf| is_below(&leaf.path, a);
+        let before = self.leaves[..at].iter().rev().take_while(is_below);
+        let mut below = before.chain(self.leaves[at..].iter().take_while(is_below));
+        below.all(|leaf| {
+            let new = format!("{b}{}", &leaf.path[a.len()..]);
+            self.all.contains(&(leaf.path.as_str(), new.as_str()))
+        })
+    }
+}
+
+/// Every member of a block by its pattern, and where it starts.
+fn by_path(block: &BlockLayout) -> FxHashMap<String, (&MemberLayout, u64)> {
+    fn collect<'a>(
+        members: &'a [MemberLayout],
+        (parent, base): (&str, u64),
+        found: &mut FxHashMap<String, (&'a MemberLayout, u64)>,
+    ) {
+        for member in members {
+            let path = format!("{parent}{}{}", member.name, "[]".repeat(member.dims.len()));
+            let at = base + member.offset.unwrap_or(0);
+            collect(&member.members, (&format!("{path}."), at), found);
+            found.insert(path, (member, at));
+        }
+    }
+    let mut found = FxHashMap::default();
+    collect(&block.members, ("", 0), &mut found);
+    found
 }
 
 struct Out<'a> {
     old: Block<'a>,
     new: Block<'a>,
-    /// What has been said of a member for all its leaves.
-    said: HashSet<(Kind, String, String)>,
+    old_members: FxHashMap<String, (&'a MemberLayout, u64)>,
+    new_members: FxHashMap<String, (&'a MemberLayout, u64)>,
+    /// What has been said of a member for all its leaves, and as which change.
+    said: FxHashMap<(Kind, String), usize>,
     changes: Vec<(u64, Change)>,
 }
 
@@ -156,15 +213,24 @@ impl Out<'_> {
         (old, new): (Option<String>, Option<String>),
         message: String,
     ) {
-        if self.said.insert((kind, path.to_string(), message.clone())) {
-            let path = bare(path).to_string();
-            self.changes.push((at, Change { kind, class, path, old, new, message }));
+        let key = format!("{path}\0{old:?}\0{new:?}");
+        match self.said.get(&(kind, key.clone())) {
+            // Leaves of one structure may fare differently with it: the worst is said.
+            Some(&known) if self.changes[known].1.class < class => {
+                let change = &mut self.changes[known].1;
+                (change.class, change.message) = (class, message);
+            }
+            Some(_) => {}
+            None => {
+                self.said.insert((kind, key), self.changes.len());
+                let path = bare(path).to_string();
+                self.changes.push((at, Change { kind, class, path, old, new, message }));
+            }
         }
     }
 
     fn moved(&mut self, path: &str, by: u64) {
-        let below = self.old.layout.leaves.iter().filter(|leaf| is_below(&leaf.path, path));
-        let from = below.filter_map(|leaf| leaf.offset).min().unwrap_or(0);
+        let from = self.old_members.get(path).map_or(0, |(_, at)| *at);
         let to = from.wrapping_add(by);
         let name = bare(path);
         let values = (Some(from.to_string()), Some(to.to_string()));
@@ -172,20 +238,17 @@ impl Out<'_> {
         self.say(from, (Kind::Moved, Class::Breaking), path, values, message);
     }
 
-    fn gone(&mut self, path: &str, leaf: &Leaf) {
-        let below = self.old.layout.leaves.iter().filter(|leaf| is_below(&leaf.path, path));
-        let at = below.filter_map(|leaf| leaf.offset).min().unwrap_or(0);
-        let ty = spelled(self.old, path, leaf);
+    fn gone(&mut self, path: &str) {
+        let at = self.old_members.get(path).map_or(0, |(_, at)| *at);
+        let ty = spelled(&self.old_members, self.old, path);
         let name = bare(path);
         let message = format!("`{name}` (`{ty}` at {at}) is gone");
         self.say(at, (Kind::Removed, Class::Breaking), path, (Some(ty), None), message);
     }
 
-    fn added(&mut self, path: &str, leaf: &Leaf, how: &New) {
-        let below = self.new.layout.leaves.iter().filter(|leaf| is_below(&leaf.path, path));
-        let below: Vec<&Leaf> = below.collect();
-        let at = below.iter().filter_map(|leaf| leaf.offset).min().unwrap_or(0);
-        let ty = spelled(self.new, path, leaf);
+    fn added(&mut self, path: &str, how: &New) {
+        let at = self.new_members.get(path).map_or(0, |(_, at)| *at);
+        let ty = spelled(&self.new_members, self.new, path);
         let name = bare(path);
         let (kind, class, message) = match how {
             New::Past => (
@@ -199,10 +262,6 @@ impl Out<'_> {
                 format!("`{name}` (`{ty}`) takes bytes at {at} that were padding"),
             ),
             New::Reads(other) => {
-                // Said once for a structure, of the first of its leaves that does.
-                if self.changes.iter().any(|(_, c)| c.kind == Kind::Inserted && c.path == name) {
-                    return;
-                }
                 let message = format!(
                     "`{name}` (`{ty}`) is inserted at {at}, where old uploads have `{other}`"
                 );
@@ -221,11 +280,8 @@ impl Out<'_> {
         };
         if name == now {
             // `x` and `x[]` are other paths, but the name is the same.
-            let types = [(self.old, from), (self.new, to)].map(|(block, path)| {
-                let member = member(&block.layout.members, path);
-                member.map(|m| m.ty.spelled(block.side.language).to_string()).unwrap_or_default()
-            });
-            let [was, is] = types;
+            let was = spelled(&self.old_members, self.old, from);
+            let is = spelled(&self.new_members, self.new, to);
             let message =
                 format!("`{name}` is `{is}` now, was `{was}`: what it had stays in place");
             let values = (Some(was), Some(is));
@@ -290,19 +346,8 @@ impl Out<'_> {
                     }
                 };
                 let values = (Some(was.clone()), Some(is.clone()));
-                let said = self.changes.iter_mut().find(|(_, c)| {
-                    c.kind == Kind::Lengthened
-                        && c.path == name
-                        && c.old == values.0
-                        && c.new == values.1
-                });
                 let message = format!("`{name}` grew from {was} to {is} elements, {rest}");
-                match said {
-                    // All leaves of a structure grow with its array: the most serious is said.
-                    Some((_, change)) if change.class >= class => {}
-                    Some((_, change)) => (change.class, change.message) = (class, message),
-                    None => self.say(at, (Kind::Lengthened, class), owner, values, message),
-                }
+                self.say(at, (Kind::Lengthened, class), owner, values, message);
             }
             What::Shorter { dim, lost } => {
                 let (was, is) = (len(&old.dims[*dim]), len(&new.dims[*dim]));
@@ -339,20 +384,12 @@ fn owner_of_dim(path: &str, dim: usize) -> &str {
     &path[..end]
 }
 
-/// The type of what a path stands for: a leaf's, or the structure's that holds it.
-fn spelled(block: Block<'_>, path: &str, leaf: &Leaf) -> String {
-    match member(&block.layout.members, path) {
-        Some(member) => member.ty.spelled(block.side.language).to_string(),
-        None => leaf.ty.spelled(block.side.language).to_string(),
-    }
-}
-
-/// The member a pattern leads to.
-pub(super) fn member<'a>(members: &'a [MemberLayout], path: &str) -> Option<&'a MemberLayout> {
-    let (first, rest) = path.split_once('.').map_or((path, None), |(a, b)| (a, Some(b)));
-    let found = members.iter().find(|member| *member.name == *bare(first))?;
-    match rest {
-        Some(rest) => member(&found.members, rest),
-        None => Some(found),
-    }
+/// The type of the member that a path stands for.
+fn spelled(
+    members: &FxHashMap<String, (&MemberLayout, u64)>,
+    block: Block<'_>,
+    path: &str,
+) -> String {
+    let member = members.get(path).map(|(member, _)| *member);
+    member.map(|member| member.ty.spelled(block.side.language).to_string()).unwrap_or_default()
 }

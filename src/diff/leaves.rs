@@ -8,6 +8,7 @@ use super::elements::{
     MOST_ELEMENTS, bytes, common, contains, count, covers, places, same, same_kind,
 };
 use crate::layout::byte::{ByteOwner, owner_of_byte};
+use crate::layout::measure::reach;
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::ArrayLen;
 
@@ -117,8 +118,9 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
         }
     }
     let intact = facts.iter().all(|fact| !is_breaking(&fact.what));
+    let mut owners = Owners::of(old);
     for rest in &new_rest {
-        let lies = if rest.done { None } else { lies(rest, old, intact) };
+        let lies = if rest.done { None } else { lies(rest, &mut owners, intact) };
         match rest.other {
             None if rest.done => {}
             None => {
@@ -247,7 +249,7 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
 const MOST_LOOKED_UP: usize = 512;
 
 /// Where the elements of a leaf lie that nothing old stands for; `None` when there is none.
-fn lies(rest: &Rest<'_>, old: &BlockLayout, intact: bool) -> Option<New> {
+fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<New> {
     let places = match rest.places() {
         Some(mut places) => {
             let matched: FxHashSet<u64> = rest.matched.iter().copied().collect();
@@ -261,14 +263,52 @@ fn lies(rest: &Rest<'_>, old: &BlockLayout, intact: bool) -> Option<New> {
     if !intact {
         for place in places.into_iter().take(MOST_LOOKED_UP) {
             for byte in bytes(rest.leaf, place).into_iter().flat_map(|(at, n)| at..at + n) {
-                if let ByteOwner::Component { leaf, .. } = owner_of_byte(old, byte) {
+                if let Some(leaf) = old.of_byte(byte) {
                     return Some(New::Reads(leaf));
                 }
             }
         }
     }
-    let end = old.data_size.unwrap_or(0);
+    let end = old.block.data_size.unwrap_or(0);
     Some(if start >= end { New::Past } else { New::Padding })
+}
+
+/// Steps on the way to the owners of bytes, for one block.
+const MOST_STEPS: usize = 20_000_000;
+
+/// Who had which byte of the old block.
+struct Owners<'a> {
+    block: &'a BlockLayout,
+    /// Where each member starts, and its index.
+    starts: Vec<(u64, usize)>,
+    steps: usize,
+}
+
+impl Owners<'_> {
+    fn of(block: &BlockLayout) -> Owners<'_> {
+        let starts = block.members.iter().enumerate().map(|(i, m)| (m.offset.unwrap_or(0), i));
+        let mut starts: Vec<(u64, usize)> = starts.collect();
+        starts.sort_unstable();
+        Owners { block, starts, steps: 0 }
+    }
+
+    fn of_byte(&mut self, byte: u64) -> Option<String> {
+        let before = self.starts.partition_point(|(start, _)| *start <= byte);
+        let member = &self.block.members[self.starts[before.checked_sub(1)?].1];
+        let is_past = byte >= member.offset? + reach(member);
+        if is_past && member.dims.first() != Some(&ArrayLen::Runtime) {
+            return None;
+        }
+        // The block is misread whatever is found: past some effort the member's name will do.
+        self.steps += self.block.members.len();
+        if self.steps > MOST_STEPS {
+            return Some(member.name.to_string());
+        }
+        match owner_of_byte(self.block, byte) {
+            ByteOwner::Component { leaf, .. } => Some(leaf),
+            ByteOwner::Padding { .. } | ByteOwner::Beyond { .. } | ByteOwner::Loose => None,
+        }
+    }
 }
 
 /// The first element that the other leaf does not have.

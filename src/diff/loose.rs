@@ -1,5 +1,7 @@
 //! Loose uniforms: set one by one through their names, so a name is all that has to stay.
 
+use rustc_hash::FxHashMap;
+
 use super::{Block, Change, Class, Kind};
 use crate::diff::elements::covers;
 use crate::layout::Leaf;
@@ -8,11 +10,15 @@ use crate::shape::ArrayLen;
 /// What happened to the loose uniforms of a shader.
 pub(super) fn changes(old: Block<'_>, new: Block<'_>) -> Vec<Change> {
     let mut changes = Vec::new();
-    let find = |all: &'_ [Leaf], path: &str| all.iter().position(|leaf| leaf.path == path);
+    let by_path = |block: Block<'_>| -> FxHashMap<String, usize> {
+        let leaves = block.layout.leaves.iter().enumerate();
+        leaves.map(|(i, leaf)| (leaf.path.clone(), i)).collect()
+    };
+    let (was_at, is_at) = (by_path(old), by_path(new));
     for leaf in &old.layout.leaves {
         let was = leaf.ty.spelled(old.side.language).to_string();
         let path = leaf.path.clone();
-        let Some(at) = find(&new.layout.leaves, &leaf.path) else {
+        let Some(&at) = is_at.get(&leaf.path) else {
             let message = format!("`{path}` is gone: a value set by that name goes nowhere");
             let (kind, class) = (Kind::Removed, Class::Breaking);
             changes.push(Change { kind, class, path, old: Some(was), new: None, message });
@@ -38,7 +44,7 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>) -> Vec<Change> {
         }
     }
     for leaf in &new.layout.leaves {
-        if find(&old.layout.leaves, &leaf.path).is_none() {
+        if !was_at.contains_key(&leaf.path) {
             let ty = leaf.ty.spelled(new.side.language).to_string();
             let path = leaf.path.clone();
             let message = format!("`{path}` (`{ty}`) is new, and not set by anybody yet");
