@@ -21,6 +21,10 @@ pub use beside::{Width, beside};
 /// JSON Schema (draft 2020-12) of the JSON output of `diff`.
 pub const DIFF_SCHEMA: &str = include_str!("schema/diff.json");
 
+/// Blocks with more leaves than this are written without Rust's names: each name depends on those
+/// of all the members before it.
+const MOST_NAMED: usize = 4096;
+
 /// Two layouts of one shader, and what is different.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared<'a> {
@@ -35,24 +39,27 @@ pub struct Compared<'a> {
 }
 
 impl<'a> Compared<'a> {
-    fn old(&self, diff: &BlockDiff) -> Option<&'a BlockLayout> {
+    fn was(&self, diff: &BlockDiff) -> Option<&'a BlockLayout> {
         diff.old.map(|at| &self.old.blocks[at])
     }
 
-    fn new(&self, diff: &BlockDiff) -> Option<&'a BlockLayout> {
+    fn is(&self, diff: &BlockDiff) -> Option<&'a BlockLayout> {
         diff.new.map(|at| &self.new.blocks[at])
     }
 
     /// The Rust field a change is about: the one of the old mirror, if there was one.
     fn field(&self, diff: &BlockDiff, change: &Change) -> Option<String> {
-        let was = self.old(diff).and_then(|block| rust::field(block, &change.path));
-        was.or_else(|| self.new(diff).and_then(|block| rust::field(block, &change.path)))
+        let named = |block: Option<&BlockLayout>| {
+            let block = block.filter(|block| block.leaves.len() <= MOST_NAMED)?;
+            rust::field(block, &change.path)
+        };
+        named(self.was(diff)).or_else(|| named(self.is(diff)))
     }
 
     /// Both listings of a block beside each other.
     pub fn beside(&self, diff: &BlockDiff, width: Width, paint: Paint) -> String {
-        let old = self.old(diff).map(|block| (block, self.old.language));
-        let new = self.new(diff).map(|block| (block, self.new.language));
+        let old = self.was(diff).map(|block| (block, self.old.language));
+        let new = self.is(diff).map(|block| (block, self.new.language));
         beside(old, new, width, paint)
     }
 }
@@ -212,8 +219,8 @@ fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
     let block = |diff: &'a BlockDiff| BlockObject {
         name: &diff.name,
         class: diff.class().name(),
-        old: compared.old(diff).map(|block| side(block, compared.old)),
-        new: compared.new(diff).map(|block| side(block, compared.new)),
+        old: compared.was(diff).map(|block| side(block, compared.old)),
+        new: compared.is(diff).map(|block| side(block, compared.new)),
         changes: diff
             .changes
             .iter()
