@@ -3,11 +3,13 @@
 pub mod buffer;
 pub mod build_script;
 pub mod diagnostic;
+pub mod diff;
 pub mod emit;
 pub mod error;
 pub mod file;
 pub mod layout;
 pub mod lint;
+pub mod lock;
 pub mod parse;
 pub mod port;
 pub mod run;

@@ -1,7 +1,7 @@
 //! The shaders of this repository: laid out without an error, as compilers and
 //! drivers lay them out, and as `layouts/` records.
 //!
-//! `layouts/` is written by `landfall layout shaders --format json --out layouts`.
+//! `layouts/` is written by `landfall lock shaders --prune`.
 
 mod support;
 
@@ -182,10 +182,10 @@ fn the_block_of_128_point_lights_is_where_its_engine_expects_it() {
 
 #[cfg(feature = "cli")]
 #[test]
-fn the_recorded_layouts_are_those_of_the_shaders() {
+fn the_locks_are_those_of_the_shaders() {
     let out = std::env::temp_dir().join(format!("landfall-layouts-{}", std::process::id()));
     let status = std::process::Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(["layout", "shaders", "--format", "json", "--quiet", "--out"])
+        .args(["lock", "shaders", "--quiet", "--locks"])
         .arg(&out)
         .status()
         .expect("the command of this package");
@@ -198,7 +198,7 @@ fn the_recorded_layouts_are_those_of_the_shaders() {
         assert!(
             old.1 == new.1,
             "layouts/{} is not what landfall says now; if the change is meant, run\n  \
-             landfall layout shaders --format json --out layouts",
+             landfall lock shaders --prune",
             old.0.display()
         );
     }

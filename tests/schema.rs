@@ -165,3 +165,67 @@ fn the_schema_of_reports_takes_an_empty_one_and_no_other_version() {
     value["schema_version"] = 2.into();
     assert!(!validator.is_valid(&value));
 }
+
+#[test]
+fn locks_keep_to_their_schema() {
+    let folder = folder("lock");
+    let shaders = folder.join("shaders");
+    std::fs::create_dir_all(&shaders).unwrap();
+    std::fs::write(shaders.join("everything.frag"), EVERYTHING).unwrap();
+    std::fs::write(shaders.join("loose.frag"), "uniform vec3 a[2]; uniform sampler2D s;").unwrap();
+    std::fs::write(shaders.join("nothing.vert"), "#version 330\nvoid main() {}\n").unwrap();
+    std::fs::write(shaders.join("everything.wgsl"), EVERYTHING_IN_WGSL).unwrap();
+    let locks = folder.join("layouts");
+    let output = landfall(&[
+        "lock",
+        &shaders.display().to_string(),
+        "--locks",
+        &locks.display().to_string(),
+    ]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let validator = validator("lock");
+    let mut seen = 0;
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("layouts");
+    let mut folders = vec![locks.clone(), repository];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            holds(&validator, &text, &path.display().to_string());
+            assert!(text.ends_with("\n"));
+            seen += 1;
+        }
+    }
+    assert!(seen > 60, "{seen}");
+    // With what `verify --record` is to write.
+    let text = std::fs::read_to_string(locks.join("nothing.vert.json")).unwrap();
+    let verified = r#""blocks": [], "verified": [{"reader": "gl", "adapter": "llvmpipe",
+        "driver": "Mesa 22.3.6", "version": "0.1.0"}]"#;
+    holds(&validator, &text.replace("\"blocks\": []", verified), "verified");
+}
+
+#[test]
+fn differences_keep_to_their_schema() {
+    let folder = folder("diff");
+    let old = folder.join("old.frag");
+    let new = folder.join("new.frag");
+    std::fs::write(&old, EVERYTHING).unwrap();
+    let changed = EVERYTHING
+        .replace("float radius", "uint radius, more")
+        .replace("Particles", "Dust")
+        .replace("uniform Undeclared { float x; } arrays[4];", "uniform float loose;");
+    std::fs::write(&new, changed).unwrap();
+    let validator = validator("diff");
+    let (old, new) = (old.display().to_string(), new.display().to_string());
+    for sides in [[&old, &new], [&new, &old], [&old, &old]] {
+        let output = landfall(&["diff", sides[0], sides[1], "--format", "json"]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let value = holds(&validator, &text, "diff");
+        assert_eq!(value["shaders"].as_array().unwrap().is_empty(), sides[0] == sides[1]);
+        assert_eq!(output.status.code(), Some(i32::from(sides[0] != sides[1])));
+    }
+}

@@ -9,6 +9,7 @@ pub mod c;
 mod csv;
 pub mod devices;
 pub mod diagnostics;
+pub mod diff;
 mod expand;
 pub mod explain;
 pub mod findings;
@@ -27,6 +28,7 @@ pub mod verify;
 mod visible;
 mod words;
 
+pub use crate::lock::LOCK_SCHEMA;
 pub use expand::MOST_OFFSETS;
 pub use paint::Paint;
 

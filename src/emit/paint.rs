@@ -20,6 +20,8 @@ pub(super) const HEADING: Style = AnsiColor::Green.on_default().bold();
 #[cfg(feature = "cli")]
 pub(super) const REMOVED: Style = AnsiColor::Red.on_default();
 pub(super) const CAUTION: Style = AnsiColor::Yellow.on_default();
+pub(super) const ADDED: Style = AnsiColor::Green.on_default();
+pub(super) const REMOVED: Style = AnsiColor::Red.on_default();
 
 impl Paint {
     /// The text in that style.

@@ -168,11 +168,18 @@ pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     } else {
         place_members(block, &mut result)?;
     }
-    for member in &result.members {
-        let start = Pattern { path: String::new(), offset: Some(0), dims: vec![], strides: vec![] };
-        collect_leaves(member, start, &mut result.leaves);
-    }
+    result.leaves = leaves_of(&result.members);
     Ok(result)
+}
+
+/// The leaves below the members of a block.
+pub(crate) fn leaves_of(members: &[MemberLayout]) -> Vec<Leaf> {
+    let mut leaves = Vec::new();
+    for member in members {
+        let start = Pattern { path: String::new(), offset: Some(0), dims: vec![], strides: vec![] };
+        collect_leaves(member, start, &mut leaves);
+    }
+    leaves
 }
 
 fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diagnostic>> {

@@ -1,6 +1,7 @@
 //! What may be written on the command line. Nothing here acts.
 
 mod codec;
+mod lock;
 
 use std::path::PathBuf;
 
@@ -9,6 +10,7 @@ use landfall::emit::rust::Vectors;
 use landfall::{Language, Rules, Stage, Target, emit};
 
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+pub use lock::{DiffArgs, DiffFormat, LockArgs};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
 #[derive(Debug, Parser)]
@@ -40,6 +42,10 @@ pub enum Command {
     Decode(DecodeArgs),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
+    /// Write the lock of every shader: its layout, to be committed and compared with
+    Lock(LockArgs),
+    /// Say what changed between two layouts, and whether old uploads still land
+    Diff(DiffArgs),
     /// Print the JSON Schema of an output
     Schema(SchemaArgs),
     /// Run jobs for the process at the other end of stdin and stdout
@@ -261,6 +267,10 @@ pub enum Schema {
     Devices,
     /// Findings on stderr with --format json, one a line
     Diagnostic,
+    /// The files that lock writes
+    Lock,
+    /// diff --format json
+    Diff,
 }
 
 /// How shaders are read.

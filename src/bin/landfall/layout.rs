@@ -149,7 +149,7 @@ impl Job<'_> {
     }
 }
 
-fn panicked(path: &Path) -> Diagnostic {
+pub fn panicked(path: &Path) -> Diagnostic {
     let error = Error::new(path.display().to_string(), "made landfall panic: this is its fault")
         .with_help("please report it with the file; the other files are not affected");
     Diagnostic { code: "internal-error", ..error.into() }

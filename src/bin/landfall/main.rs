@@ -6,11 +6,13 @@
 mod args;
 mod decode;
 mod devices;
+mod diff;
 mod emit;
 mod encode;
 mod explain;
 mod inputs;
 mod layout;
+mod lock;
 mod output;
 mod port;
 mod read;
@@ -37,6 +39,8 @@ fn main() -> ExitCode {
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
+        Command::Lock(args) => lock::run(args, &streams),
+        Command::Diff(args) => diff::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(args) => reader::run(args),

@@ -12,6 +12,8 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Check => emit::CHECK_SCHEMA,
         Schema::Devices => emit::DEVICES_SCHEMA,
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
+        Schema::Lock => emit::LOCK_SCHEMA,
+        Schema::Diff => emit::diff::DIFF_SCHEMA,
     })?;
     Ok(Outcome::Clean)
 }

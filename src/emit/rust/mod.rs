@@ -9,6 +9,7 @@
 mod array;
 mod check;
 mod docs;
+mod field;
 mod header;
 mod leaf;
 mod mirror;
@@ -22,6 +23,8 @@ mod strided;
 mod table;
 mod tail;
 mod types;
+
+pub use field::field;
 
 use crate::ShaderLayout;
 use crate::diagnostic::Diagnostic;

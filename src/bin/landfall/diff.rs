@@ -1,0 +1,198 @@
+//! `landfall diff`: what changed between two sides, whether old uploads still land, and the
+//! listings side by side.
+
+mod git;
+mod side;
+
+use std::path::{Path, PathBuf};
+
+use landfall::diff::{BlockDiff, Class, Side as Blocks, diff, verdict};
+use landfall::emit::diff::{Compared, Width, human, json, markdown, summary};
+use landfall::file::write_whole;
+use landfall::{Error, ShaderLayout, lock};
+
+use crate::args::{DiffArgs, DiffFormat};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use side::{Entry, Reading, Side, nothing};
+
+/// Columns where there is no terminal to ask.
+const COLUMNS: usize = 100;
+
+pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let reading = Reading { args: &args.read, streams, style: streams.style(FindingForm::Human) };
+    let sides = sides(args, &reading)?;
+    let failed = sides.iter().any(|(old, new)| old.failed || new.failed);
+    let mut pairs = Vec::new();
+    for (old, new) in &sides {
+        pairs.extend(pair(old, new)?);
+    }
+    let found: Vec<Vec<BlockDiff>> =
+        pairs.iter().map(|pair| diff(Blocks::of(&pair.old), Blocks::of(&pair.new))).collect();
+    let compared: Vec<Compared<'_>> = pairs
+        .iter()
+        .zip(&found)
+        .map(|(pair, blocks)| Compared { name: &pair.name, old: &pair.old, new: &pair.new, blocks })
+        .collect();
+    print(args, &compared, streams)?;
+    if args.accept && !failed {
+        for (old, new) in &sides {
+            accept(old, new, streams)?;
+        }
+        return Ok(Outcome::Clean);
+    }
+    let worst = found.iter().filter_map(|blocks| verdict(blocks)).max();
+    let least = if args.breaking { Class::Breaking } else { Class::Cosmetic };
+    Ok(match worst {
+        _ if failed => Outcome::CouldNot,
+        Some(class) if class >= least => Outcome::Findings,
+        Some(_) | None => Outcome::Clean,
+    })
+}
+
+/// The pairs of sides to compare, old first.
+fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Error> {
+    match (&args.rev, args.sides.as_slice()) {
+        (None, [old, new]) => {
+            crate::read::only_one_stdin(old, new)?;
+            Ok(vec![(reading.side(old)?, reading.side(new)?)])
+        }
+        (None, given) => {
+            let message = format!("is given {} of the 2 sides to compare", given.len());
+            Err(Error::new("landfall diff", message)
+                .with_help("`landfall diff OLD NEW`, or `landfall diff --rev HEAD~1 [PATH…]`"))
+        }
+        (Some(rev), paths) => {
+            let here = [PathBuf::from(".")];
+            let paths = if paths.is_empty() { &here[..] } else { paths };
+            let at = |path: &PathBuf| {
+                let revision = git::in_repository(rev, path)?;
+                let mut old = reading.revision(&revision)?;
+                // A file that is gone has nothing to be compared with.
+                let new = match path.exists() {
+                    true => reading.side(path)?,
+                    false => Side { entries: vec![], single: true, locks: None, failed: false },
+                };
+                old.single &= new.single;
+                Ok((old, new))
+            };
+            paths.iter().map(at).collect()
+        }
+    }
+}
+
+/// One shader on both sides.
+struct Pair {
+    name: String,
+    old: ShaderLayout,
+    new: ShaderLayout,
+}
+
+impl Pair {
+    fn of(old: Option<&Entry>, new: Option<&Entry>) -> Option<Pair> {
+        let like = new.or(old)?;
+        // A shader's own path says more than its lock's.
+        let shader = [new, old].into_iter().flatten().find(|entry| entry.lock.is_none());
+        Some(Pair {
+            name: shader.unwrap_or(like).layout.path.clone(),
+            old: old.map_or_else(|| nothing(&like.layout), |entry| entry.layout.clone()),
+            new: new.map_or_else(|| nothing(&like.layout), |entry| entry.layout.clone()),
+        })
+    }
+}
+
+/// The shaders of both sides that belong together: those of one path below their directories.
+fn pair(old: &Side, new: &Side) -> Result<Vec<Pair>, Error> {
+    if old.single && new.single {
+        return Ok(Pair::of(old.entries.first(), new.entries.first()).into_iter().collect());
+    }
+    if old.single != new.single && !old.failed && !new.failed {
+        let one = if old.single { old } else { new };
+        let path = one.entries.first().map(|entry| entry.layout.path.clone());
+        let message = "is one shader, and the other side is many";
+        return Err(Error::new(path.unwrap_or_default(), message)
+            .with_help("compare a file with a file, a directory with a directory"));
+    }
+    let (a, b) = (keys(old), keys(new));
+    let partner = |key: &str, keys: &[String], side: &'_ Side| -> Option<usize> {
+        keys.iter().position(|other| other == key).filter(|at| *at < side.entries.len())
+    };
+    let mut pairs = Vec::new();
+    for (key, entry) in b.iter().zip(&new.entries) {
+        let before = partner(key, &a, old).map(|at| &old.entries[at]);
+        // What could not be laid out on one side is not new on the other.
+        if before.is_some() || !old.failed {
+            pairs.extend(Pair::of(before, Some(entry)));
+        }
+    }
+    for (key, entry) in a.iter().zip(&old.entries) {
+        if partner(key, &b, new).is_none() && !new.failed {
+            pairs.extend(Pair::of(Some(entry), None));
+        }
+    }
+    Ok(pairs)
+}
+
+/// The keys of a side; those of an output of `layout` without the directory all have in common.
+fn keys(side: &Side) -> Vec<String> {
+    let keys: Vec<String> = side.entries.iter().map(|entry| entry.key.clone()).collect();
+    let from_output = side.entries.iter().all(|entry| entry.lock.is_none())
+        && side.entries.iter().all(|entry| entry.layout.path.ends_with(".json"));
+    let common = keys.first().and_then(|key| key.split_once('/')).map(|(dir, _)| format!("{dir}/"));
+    match common {
+        Some(common) if from_output && keys.iter().all(|key| key.starts_with(&common)) => {
+            keys.iter().map(|key| key[common.len()..].to_string()).collect()
+        }
+        Some(_) | None => keys,
+    }
+}
+
+fn print(args: &DiffArgs, all: &[Compared<'_>], streams: &Streams) -> Result<(), Failure> {
+    match args.format {
+        DiffFormat::Json => streams.product(&json(all)),
+        DiffFormat::Md => streams.product(&markdown(all)),
+        DiffFormat::Human => {
+            let terminal = || terminal_size::terminal_size().map(|(width, _)| width.0.into());
+            let width = Width::Columns(args.width.or_else(terminal).unwrap_or(COLUMNS));
+            for compared in all.iter().filter(|compared| !compared.blocks.is_empty()) {
+                streams.product(&human(compared, width, streams.paint))?;
+                streams.product("\n")?;
+            }
+            streams.product(&summary(all))
+        }
+    }
+}
+
+/// Renews the locks of the side that has them: the new one, if both have.
+fn accept(old: &Side, new: &Side, streams: &Streams) -> Result<(), Error> {
+    let has_locks = |side: &Side| {
+        side.locks.is_some() || side.entries.iter().any(|entry| place(entry).is_some())
+    };
+    let (locked, truth) = match (has_locks(old), has_locks(new)) {
+        (_, true) => (new, old),
+        (true, false) => (old, new),
+        (false, false) => {
+            return Err(Error::new("--accept", "has no lock to renew: neither side is one")
+                .with_help("write the locks of shaders with `landfall lock`"));
+        }
+    };
+    for entry in &truth.entries {
+        let known = locked.entries.iter().find(|other| truth.single || other.key == entry.key);
+        let target = known.and_then(place).map(Path::to_path_buf);
+        let target = target
+            .or_else(|| locked.locks.as_ref().map(|dir| lock::path_of(dir, Path::new(&entry.key))));
+        let Some(target) = target else { continue };
+        let before = known.and_then(|entry| entry.lock.as_ref()).map(|(_, lock)| lock);
+        let text = lock::renew(&entry.layout, before);
+        if std::fs::read(&target).is_ok_and(|there| there == text.as_bytes()) {
+            continue;
+        }
+        write_whole(&target, &text)?;
+        streams.notes(&format!("renewed {}\n", target.display()));
+    }
+    Ok(())
+}
+
+/// Where an entry's lock is in the work tree.
+fn place(entry: &Entry) -> Option<&Path> {
+    entry.lock.as_ref().and_then(|(place, _)| place.as_deref())
+}

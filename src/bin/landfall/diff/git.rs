@@ -1,0 +1,274 @@
+//! Files as they were at a git revision, taken out into a directory of their own.
+//!
+//! Asks the `git` on the path, so that a revision is whatever git says it is.
+
+use std::collections::HashSet;
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Component, Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use landfall::Error;
+use landfall::file::reason;
+use landfall::source::kind_of_path;
+
+/// A path at a revision, as it was named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Revision {
+    /// `HEAD~1`.
+    pub rev: String,
+    /// From the root of the repository, or from here when it begins with `./` or `../`.
+    pub path: String,
+}
+
+impl Revision {
+    /// `REV:path`, unless there is a file of that name.
+    pub fn parse(text: &str) -> Option<Revision> {
+        if Path::new(text).exists() {
+            return None;
+        }
+        let (rev, path) = text.split_once(':')?;
+        // `C:\shader.frag` is a drive's.
+        if rev.is_empty() || path.starts_with('\\') {
+            return None;
+        }
+        Some(Revision { rev: rev.to_string(), path: path.to_string() })
+    }
+
+    fn shown(&self) -> String {
+        format!("{}:{}", self.rev, self.path)
+    }
+}
+
+/// Files of a revision on disk; removed again when dropped.
+pub struct Tree {
+    /// Stands for the root of the repository.
+    root: PathBuf,
+    /// What was asked for, below it.
+    pub path: PathBuf,
+    rev: String,
+    /// The repository's own root.
+    top: PathBuf,
+}
+
+impl Drop for Tree {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.root);
+    }
+}
+
+impl Tree {
+    /// A text about the files, with what git calls them in the place of where they are.
+    pub fn shown(&self, text: &str) -> String {
+        let root = self.root.display().to_string();
+        let rev = format!("{}:", self.rev);
+        text.replace(&format!("{root}{}", std::path::MAIN_SEPARATOR), &rev).replace(&root, &rev)
+    }
+
+    /// A directory of the work tree as it was; one outside the repository as it is.
+    pub fn directory(&self, dir: &Path) -> PathBuf {
+        let real = fs::canonicalize(dir).unwrap_or_else(|_| {
+            std::env::current_dir().map(|here| here.join(dir)).unwrap_or_else(|_| dir.to_path_buf())
+        });
+        match real.strip_prefix(&self.top) {
+            Ok(inside) => self.root.join(inside),
+            Err(_) => dir.to_path_buf(),
+        }
+    }
+}
+
+/// Takes out a file or the shaders and locks of a directory, and every file of the revision that
+/// one of them may include.
+pub fn take_out(wanted: &Revision) -> Result<Tree, Error> {
+    let shown = wanted.shown();
+    let refuse = |message: &str| Error::new(&shown, message);
+    if wanted.rev.starts_with('-') {
+        return Err(refuse("names no revision: it begins with `-`"));
+    }
+    let top = git(&["rev-parse", "--show-toplevel"], &shown)?;
+    let top = PathBuf::from(top.trim_end_matches(['\n', '\r']));
+    let prefix = git(&["rev-parse", "--show-prefix"], &shown)?;
+    let path = normal(&wanted.path, prefix.trim_end_matches(['\n', '\r']))
+        .ok_or_else(|| refuse("leads out of the repository"))?;
+    let list = git(&["ls-tree", "-r", "-z", "--full-tree", &wanted.rev], &shown)?;
+    let files = entries(&list);
+    let below = format!("{path}/");
+    let asked = |file: &&Entry| {
+        file.path == path
+            || (path.is_empty() || file.path.starts_with(&below)) && is_ours(Path::new(&file.path))
+    };
+    let mut chosen: Vec<&Entry> = files.iter().filter(asked).collect();
+    if chosen.is_empty() {
+        let there = files.iter().any(|file| path.is_empty() || file.path.starts_with(&below));
+        let message = match there {
+            true => "holds no shader and no lock at that revision",
+            false => "is not there: the revision has no such file",
+        };
+        let help = format!("`git ls-tree -r --name-only {}` lists its files", wanted.rev);
+        return Err(refuse(message).with_help(help));
+    }
+    let root =
+        scratch().map_err(|cause| refuse(&format!("cannot be taken out: {}", reason(&cause))))?;
+    let tree = Tree { path: root.join(&path), root, rev: wanted.rev.clone(), top };
+    let mut taken: HashSet<&str> = chosen.iter().map(|file| file.path.as_str()).collect();
+    let mut batch = Batch::open(&shown)?;
+    while let Some(file) = chosen.pop() {
+        let bytes = batch.read(&file.object, &shown)?;
+        let target = tree.root.join(&file.path);
+        let folder = target.parent().unwrap_or(&tree.root);
+        fs::create_dir_all(folder)
+            .and_then(|()| fs::write(&target, &bytes))
+            .map_err(|cause| refuse(&format!("cannot be taken out: {}", reason(&cause))))?;
+        for name in included(&bytes) {
+            let named = files.iter().filter(|file| file.path.rsplit('/').next() == Some(&name));
+            chosen.extend(named.filter(|file| taken.insert(file.path.as_str())));
+        }
+    }
+    Ok(tree)
+}
+
+/// A shader or a lock.
+fn is_ours(path: &Path) -> bool {
+    kind_of_path(path).is_some() || path.extension().is_some_and(|e| e == "json")
+}
+
+/// A path from the root of the repository, `/` between its parts.
+fn normal(path: &str, prefix: &str) -> Option<String> {
+    let here = path == "." || path == ".." || path.starts_with("./") || path.starts_with("../");
+    let whole = if here { Path::new(prefix).join(path) } else { PathBuf::from(path) };
+    let mut parts: Vec<&str> = Vec::new();
+    for part in whole.components() {
+        match part {
+            Component::Normal(name) => parts.push(name.to_str()?),
+            Component::CurDir => {}
+            Component::ParentDir => {
+                parts.pop()?;
+            }
+            Component::RootDir | Component::Prefix(_) => return None,
+        }
+    }
+    Some(parts.join("/"))
+}
+
+/// A path of the work tree as one of a revision: from the root of the repository.
+pub fn in_repository(rev: &str, path: &Path) -> Result<Revision, Error> {
+    let shown = format!("{rev}:{}", path.display());
+    let top = git(&["rev-parse", "--show-toplevel"], &shown)?;
+    let top = PathBuf::from(top.trim_end_matches(['\n', '\r']));
+    let here = std::env::current_dir().unwrap_or_default().join(path);
+    // What is gone from the work tree has no real path; its directory may have one.
+    let real = fs::canonicalize(&here).unwrap_or_else(|_| {
+        let parent = here.parent().and_then(|parent| fs::canonicalize(parent).ok());
+        parent.zip(here.file_name()).map_or(here.clone(), |(parent, name)| parent.join(name))
+    });
+    let inside = real.strip_prefix(&top).map_err(|_| {
+        Error::new(path.display().to_string(), "is not in the git repository of this directory")
+    })?;
+    let parts: Vec<String> =
+        inside.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
+    Ok(Revision { rev: rev.to_string(), path: parts.join("/") })
+}
+
+struct Entry {
+    object: String,
+    path: String,
+}
+
+/// `MODE blob OBJECT\tPATH`, each ended by a zero byte; links and submodules are left out.
+fn entries(list: &str) -> Vec<Entry> {
+    let entry = |line: &str| {
+        let (facts, path) = line.split_once('\t')?;
+        let mut facts = facts.split(' ');
+        let (mode, kind, object) = (facts.next()?, facts.next()?, facts.next()?);
+        (kind == "blob" && mode.starts_with("100"))
+            .then(|| Entry { object: object.to_string(), path: path.to_string() })
+    };
+    list.split('\0').filter_map(entry).collect()
+}
+
+/// The last parts of the names that a text includes. A name that a macro stands for is not seen.
+fn included(bytes: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(bytes);
+    let name = |line: &str| {
+        let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
+        let rest = rest.trim_start();
+        let inside = rest.strip_prefix(['"', '<'])?;
+        let name = inside.split(['"', '>']).next()?;
+        Some(name.rsplit('/').next().unwrap_or(name).to_string())
+    };
+    text.lines().filter_map(name).filter(|name| !name.is_empty()).collect()
+}
+
+fn git(arguments: &[&str], about: &str) -> Result<String, Error> {
+    let out = Command::new("git").args(arguments).stdin(Stdio::null()).output();
+    let out = out.map_err(|cause| no_git(&cause, about))?;
+    if out.status.success() {
+        return Ok(String::from_utf8_lossy(&out.stdout).into_owned());
+    }
+    let said = String::from_utf8_lossy(&out.stderr);
+    let said = said.lines().next().unwrap_or("no reason given");
+    let said = said.trim_start_matches("fatal: ").to_lowercase();
+    Err(Error::new(about, format!("cannot be read by git: {said}")))
+}
+
+fn no_git(cause: &std::io::Error, about: &str) -> Error {
+    Error::new(about, format!("needs `git`, which cannot be run: {}", reason(cause)))
+}
+
+/// One `git cat-file --batch` for all files.
+struct Batch {
+    child: std::process::Child,
+    answers: BufReader<std::process::ChildStdout>,
+}
+
+impl Batch {
+    fn open(about: &str) -> Result<Batch, Error> {
+        let child = Command::new("git")
+            .args(["cat-file", "--batch"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let mut child = child.map_err(|cause| no_git(&cause, about))?;
+        let answers = BufReader::new(child.stdout.take().expect("stdout is piped above"));
+        Ok(Batch { child, answers })
+    }
+
+    fn read(&mut self, object: &str, about: &str) -> Result<Vec<u8>, Error> {
+        let failed = || Error::new(about, format!("cannot be read by git: object {object}"));
+        let stdin = self.child.stdin.as_mut().ok_or_else(failed)?;
+        writeln!(stdin, "{object}").and_then(|()| stdin.flush()).map_err(|_| failed())?;
+        // `OBJECT blob SIZE`, then the bytes, then a newline.
+        let mut head = String::new();
+        self.answers.read_line(&mut head).map_err(|_| failed())?;
+        let size: usize =
+            head.trim().rsplit(' ').next().and_then(|n| n.parse().ok()).ok_or_else(failed)?;
+        let mut bytes = vec![0; size + 1];
+        self.answers.read_exact(&mut bytes).map_err(|_| failed())?;
+        bytes.truncate(size);
+        Ok(bytes)
+    }
+}
+
+impl Drop for Batch {
+    fn drop(&mut self) {
+        drop(self.child.stdin.take());
+        let _ = self.child.wait();
+    }
+}
+
+/// A directory of this process's own.
+fn scratch() -> std::io::Result<PathBuf> {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let base = fs::canonicalize(std::env::temp_dir())?;
+    loop {
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let dir = base.join(format!("landfall-{}-{number}", std::process::id()));
+        match fs::create_dir(&dir) {
+            Ok(()) => return Ok(dir),
+            Err(cause) if cause.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(cause) => return Err(cause),
+        }
+    }
+}

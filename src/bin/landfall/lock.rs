@@ -1,0 +1,253 @@
+//! `landfall lock`: one lock a shader, written only where it changes.
+
+use std::collections::HashMap;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+use landfall::file::{reason, write_whole};
+use landfall::source::{Files, kind_of_path};
+use landfall::{Diagnostic, Error, Options, Severity, lock};
+
+use crate::args::LockArgs;
+use crate::inputs::{Input, Inputs};
+use crate::layout::panicked;
+use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::{read, work};
+
+pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let job =
+        Job { args, options: read::options(&args.read), style: streams.style(FindingForm::Human) };
+    let mut tally = Tally::default();
+    work::ordered(
+        Inputs::new(args.files.clone()),
+        args.jobs,
+        |input| job.one(input),
+        |done| tally.take(done, args, job.style, streams),
+    )?;
+    tally.orphans(args, job.style, streams);
+    tally.finish(args, streams)
+}
+
+/// Where the lock of a shader goes: the tree below `--root`, or below the directory that was named.
+fn target(args: &LockArgs, input: &Input) -> Result<PathBuf, Error> {
+    let Some(root) = &args.root else { return Ok(lock::path_of(&args.locks, &input.relative)) };
+    let real = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    match real(&input.path).strip_prefix(real(root)) {
+        Ok(relative) => Ok(lock::path_of(&args.locks, relative)),
+        Err(_) => {
+            let message = format!("is not below `{}`, which `--root` names", root.display());
+            Err(Error::new(input.path.display().to_string(), message))
+        }
+    }
+}
+
+struct Job<'a> {
+    args: &'a LockArgs,
+    options: Options,
+    style: FindingStyle,
+}
+
+/// What became of one shader.
+struct Done {
+    shader: PathBuf,
+    /// Where its lock goes; `None` when that cannot be said.
+    target: Option<PathBuf>,
+    /// The lock as it should be; `None` when the shader could not be laid out.
+    text: Option<String>,
+    findings: String,
+}
+
+impl work::Weighed for Done {
+    fn bytes(&self) -> usize {
+        self.findings.len() + self.text.as_ref().map_or(0, String::len)
+    }
+}
+
+impl Job<'_> {
+    fn one(&self, input: Result<Input, Error>) -> Done {
+        let found = |error: Error, code| Diagnostic { code, ..error.into() };
+        let failed = |shader: PathBuf, target, found: Diagnostic| Done {
+            shader,
+            target,
+            text: None,
+            findings: self.style.text(&[found], &Files::default()),
+        };
+        let input = match input {
+            Ok(input) => input,
+            Err(error) => return failed(PathBuf::new(), None, found(error, "no-input")),
+        };
+        let target = match target(self.args, &input) {
+            Ok(target) => target,
+            Err(error) => return failed(input.path, None, found(error, "no-input")),
+        };
+        let source = match read::source(&input.path, &self.args.read) {
+            Ok(source) => source,
+            Err(error) => return failed(input.path, Some(target), error.into()),
+        };
+        let laid_out = AssertUnwindSafe(|| landfall::layout(&source, &self.options));
+        let Ok(shader) = catch_unwind(laid_out) else {
+            let found = panicked(&input.path);
+            return failed(input.path, Some(target), found);
+        };
+        let mut findings = self.style.text(&shader.diagnostics, &shader.files);
+        let text = if shader.has_errors() {
+            None
+        } else {
+            match old(&target) {
+                Ok(old) => Some(lock::renew(&shader, old.as_ref())),
+                Err(error) => {
+                    findings.push_str(&self.style.text(&[error.into()], &Files::default()));
+                    None
+                }
+            }
+        };
+        Done { shader: input.path, target: Some(target), text, findings }
+    }
+}
+
+/// The lock that is there. One that cannot be read is written anew, but not one that a newer
+/// landfall wrote.
+fn old(target: &Path) -> Result<Option<lock::Lock>, Error> {
+    let Ok(text) = fs::read_to_string(target) else { return Ok(None) };
+    let shown = target.display().to_string();
+    match lock::read(&shown, &text) {
+        Ok(lock) => Ok(Some(lock)),
+        Err(error) if lock::is_newer(&text) => Err(error),
+        Err(_) => Ok(None),
+    }
+}
+
+/// What a run came to.
+#[derive(Default)]
+struct Tally {
+    /// Locks by their shaders.
+    targets: HashMap<PathBuf, PathBuf>,
+    unchanged: usize,
+    changed: usize,
+    pruned: usize,
+    failed: bool,
+}
+
+impl Tally {
+    fn take(
+        &mut self,
+        done: Done,
+        args: &LockArgs,
+        style: FindingStyle,
+        streams: &Streams,
+    ) -> Result<(), Failure> {
+        streams.report(&done.findings);
+        let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
+        if let Some(target) = &done.target {
+            if let Some(other) = self.targets.insert(target.clone(), done.shader.clone()) {
+                let message = format!(
+                    "would be the lock of both `{}` and `{}`",
+                    other.display(),
+                    done.shader.display()
+                );
+                return Err(Error::new(target.display().to_string(), message)
+                    .with_help("lock each directory into a directory of its own, or say `--root`")
+                    .into());
+            }
+        }
+        let (Some(target), Some(text)) = (done.target, done.text) else {
+            self.failed = true;
+            return Ok(());
+        };
+        let there = fs::read(&target);
+        if there.as_ref().is_ok_and(|old| old == text.as_bytes()) {
+            self.unchanged += 1;
+        } else if args.check {
+            self.changed += 1;
+            let stale = match there {
+                Ok(_) => "is not what its shader says now",
+                Err(_) => "is not there",
+            };
+            let error = Error::new(target.display().to_string(), stale)
+                .with_help("run the same command without `--check`, and commit what it writes");
+            say(Diagnostic { code: "stale-lock", ..error.into() });
+        } else {
+            match write_whole(&target, &text) {
+                Ok(()) => self.changed += 1,
+                Err(error) => {
+                    self.failed = true;
+                    say(Diagnostic { code: "output", ..error.into() });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Locks in the directory that are no shader's, where all shaders of the tree were seen.
+    fn orphans(&mut self, args: &LockArgs, style: FindingStyle, streams: &Streams) {
+        // A part of the tree says nothing about the locks of the rest.
+        if args.root.is_some() || self.failed || !args.files.iter().all(|path| path.is_dir()) {
+            return;
+        }
+        let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
+        for path in locks_below(&args.locks) {
+            if self.targets.contains_key(&path) {
+                continue;
+            }
+            let shown = path.display().to_string();
+            if !args.prune || args.check {
+                let error = Error::new(shown, "is the lock of no shader")
+                    .with_help("remove it with `landfall lock --prune`");
+                let severity = if args.prune { Severity::Error } else { Severity::Warning };
+                self.pruned += usize::from(args.prune);
+                say(Diagnostic { code: "lock-orphan", severity, ..error.into() });
+                continue;
+            }
+            match fs::remove_file(&path) {
+                Ok(()) => self.pruned += 1,
+                Err(cause) => {
+                    self.failed = true;
+                    let message = format!("cannot be removed: {}", reason(&cause));
+                    say(Diagnostic { code: "output", ..Error::new(shown, message).into() });
+                }
+            }
+        }
+    }
+
+    fn finish(self, args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
+        let (did, removed) = match args.check {
+            true => ("would change", "to be removed"),
+            false => ("written", "removed"),
+        };
+        let mut text = format!("{} {did}, {} unchanged", locks(self.changed), self.unchanged);
+        if self.pruned > 0 {
+            text.push_str(&format!(", {} {removed}", self.pruned));
+        }
+        streams.notes(&(text + "\n"));
+        Ok(if self.failed {
+            Outcome::CouldNot
+        } else if args.check && self.changed + self.pruned > 0 {
+            Outcome::Findings
+        } else {
+            Outcome::Clean
+        })
+    }
+}
+
+fn locks(n: usize) -> String {
+    if n == 1 { "1 lock".to_string() } else { format!("{n} locks") }
+}
+
+/// Files of a directory that are named like locks, in order.
+pub fn locks_below(dir: &Path) -> Vec<PathBuf> {
+    if !dir.is_dir() {
+        return Vec::new();
+    }
+    let walk = ignore::WalkBuilder::new(dir)
+        .standard_filters(false)
+        .sort_by_file_name(|a, b| a.cmp(b))
+        .build();
+    let files = walk.filter_map(Result::ok);
+    let files = files.filter(|entry| entry.file_type().is_some_and(|kind| kind.is_file()));
+    let is_lock = |path: &PathBuf| {
+        path.extension().is_some_and(|e| e == "json")
+            && kind_of_path(&path.with_extension("")).is_some()
+    };
+    files.map(ignore::DirEntry::into_path).filter(is_lock).collect()
+}

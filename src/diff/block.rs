@@ -1,0 +1,220 @@
+//! What happened to a block besides its bytes: size, rules, where it is bound, what things are
+//! called.
+
+use std::cell::OnceCell;
+
+use rustc_hash::FxHashMap;
+
+use super::{Block, Change, Class, Kind, shown_name};
+use crate::layout::{BlockLayout, MemberLayout};
+use crate::shape::{ArrayLen, Type};
+
+/// A block that only the old side has.
+pub(super) fn removed(block: &BlockLayout) -> Change {
+    let name = shown_name(block);
+    change(
+        (Kind::BlockRemoved, Class::Breaking),
+        (Some(name.clone()), None),
+        format!("block `{name}` is gone"),
+    )
+}
+
+/// A block that only the new side has.
+pub(super) fn added(block: &BlockLayout) -> Change {
+    let name = shown_name(block);
+    let size = match block.size {
+        Some(size) => format!(", {size} bytes"),
+        None => String::new(),
+    };
+    let message = format!("block `{name}` is new{size}");
+    change((Kind::BlockAdded, Class::Compatible), (None, Some(name)), message)
+}
+
+/// A block that lives elsewhere now.
+pub(super) fn space(old: &BlockLayout, new: &BlockLayout) -> Change {
+    let (was, is) = (old.space.name(), new.space.name());
+    let message = format!("is in the address space `{is}`, was in `{was}`");
+    change((Kind::AddressSpace, Class::Breaking), (Some(was.into()), Some(is.into())), message)
+}
+
+/// A change of the block itself.
+fn change(
+    (kind, class): (Kind, Class),
+    (old, new): (Option<String>, Option<String>),
+    message: String,
+) -> Change {
+    Change { kind, class, path: String::new(), old, new, message }
+}
+
+/// Adds what happened to a block whose leaves have been compared.
+pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>) {
+    let (a, b) = (old.layout, new.layout);
+    let leaves_changed = changes.iter().any(|change| change.class > Class::Cosmetic);
+    let text = |n: u64| Some(n.to_string());
+    if let (Some(was), Some(is)) = (a.size, b.size) {
+        let compatible = Class::Compatible;
+        if is > was {
+            let message =
+                format!("grew from {was} to {is} bytes: a buffer of {was} bytes is too small");
+            changes.push(change((Kind::Grew, compatible), (text(was), text(is)), message));
+        } else if is < was {
+            let message = format!("shrank from {was} to {is} bytes");
+            changes.push(change((Kind::Shrank, compatible), (text(was), text(is)), message));
+        }
+    }
+    if a.rules != b.rules {
+        let (was, is) = (a.rules.name(), b.rules.name());
+        let rest = if leaves_changed { "" } else { ", and no member moves" };
+        let message = format!("rules changed from {was} to {is}{rest}");
+        let values = (Some(was.to_string()), Some(is.to_string()));
+        changes.push(change((Kind::Rules, Class::Cosmetic), values, message));
+    }
+    if a.rules_declared != b.rules_declared {
+        let (class, message) = match b.rules_declared {
+            true => (Class::Compatible, "its rules are declared now; the driver chose them before"),
+            false => (
+                Class::Breaking,
+                "its rules are not declared any more: the driver decides where members lie",
+            ),
+        };
+        let values = (Some(a.rules_declared.to_string()), Some(b.rules_declared.to_string()));
+        changes.push(change((Kind::RulesDeclared, class), values, message.to_string()));
+    }
+    if a.space != b.space {
+        changes.push(space(a, b));
+    }
+    slot("set", a.group, b.group, changes);
+    slot("binding", a.binding, b.binding, changes);
+    count(a, b, changes);
+    names(a, b, changes);
+    let mut found = Vec::new();
+    below(&a.members, &b.members, "", changes, &mut found);
+    changes.extend(found);
+    let order =
+        |block: &BlockLayout| block.members.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+    if changes.is_empty() && order(a) != order(b) {
+        let message = "lists its members in another order, each in its old place".to_string();
+        changes.push(change((Kind::Order, Class::Cosmetic), (None, None), message));
+    }
+    if changes.is_empty() && a.align != b.align {
+        let number = |n: Option<u64>| n.map_or("none".to_string(), |n| n.to_string());
+        let (was, is) = (number(a.align), number(b.align));
+        let message = format!("is aligned to {is}, was to {was}");
+        changes.push(change((Kind::Alignment, Class::Cosmetic), (Some(was), Some(is)), message));
+    }
+}
+
+fn slot(what: &str, old: Option<u32>, new: Option<u32>, changes: &mut Vec<Change>) {
+    let text = |n: Option<u32>| n.map(|n| n.to_string());
+    let (class, message) = match (old, new) {
+        (Some(was), Some(is)) if was != is => (
+            Class::Breaking,
+            format!("{what} changed from {was} to {is}: it reads what is bound there"),
+        ),
+        (Some(was), None) => (
+            Class::Breaking,
+            format!("{what} {was} is not declared any more: the host has to choose it"),
+        ),
+        (None, Some(is)) => {
+            (Class::Compatible, format!("{what} {is} is declared; until now the host chose it"))
+        }
+        (Some(_), Some(_)) | (None, None) => return,
+    };
+    changes.push(change((Kind::Slot, class), (text(old), text(new)), message));
+}
+
+fn count(old: &BlockLayout, new: &BlockLayout, changes: &mut Vec<Change>) {
+    let buffers = |block: &BlockLayout| {
+        block.count.iter().try_fold(1u64, |product, len| match len {
+            ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
+            ArrayLen::Runtime | ArrayLen::Override(_) => None,
+        })
+    };
+    let (was, is) = (buffers(old), buffers(new));
+    if was == is {
+        return;
+    }
+    let fewer = match (was, is) {
+        (Some(was), Some(is)) => is < was,
+        (None, Some(_)) => true,
+        (Some(_) | None, None) => false,
+    };
+    let class = if fewer { Class::Breaking } else { Class::Compatible };
+    let text = |n: Option<u64>| n.map_or("any number of".to_string(), |n| n.to_string());
+    let (was, is) = (text(was), text(is));
+    let message = format!("is an array of {is} buffers, was of {was}");
+    changes.push(change((Kind::Count, class), (Some(was), Some(is)), message));
+}
+
+fn names(old: &BlockLayout, new: &BlockLayout, changes: &mut Vec<Change>) {
+    if old.name != new.name {
+        let (was, is) = (shown_name(old), shown_name(new));
+        let message = format!("block `{was}` is called `{is}` now");
+        let values = (Some(was), Some(is));
+        changes.push(change((Kind::BlockRenamed, Class::Cosmetic), values, message));
+    }
+    if old.instance != new.instance {
+        let shown =
+            |name: Option<&str>| name.map_or("no instance".into(), |name| format!("`{name}`"));
+        let (was, is) = (old.instance.as_deref(), new.instance.as_deref());
+        let message = format!("instance is {}, was {}", shown(is), shown(was));
+        let values = (was.map(String::from), is.map(String::from));
+        changes.push(change((Kind::Instance, Class::Cosmetic), values, message));
+    }
+}
+
+/// Facts about members that no byte shows: the name of a structure, an alignment, room that
+/// `@size` reserves.
+fn below(
+    old: &[MemberLayout],
+    new: &[MemberLayout],
+    parent: &str,
+    changes: &[Change],
+    found: &mut Vec<Change>,
+) {
+    let by_name: OnceCell<FxHashMap<&str, &MemberLayout>> = OnceCell::new();
+    for (i, a) in old.iter().enumerate() {
+        // Most stand where they stood.
+        let same = new.get(i).filter(|b| b.name == a.name);
+        let other = || {
+            let names = by_name.get_or_init(|| new.iter().map(|b| (&*b.name, b)).collect());
+            names.get(&*a.name).copied()
+        };
+        let Some(b) = same.or_else(other) else { continue };
+        let path =
+            if parent.is_empty() { a.name.to_string() } else { format!("{parent}.{}", a.name) };
+        if let (Type::Struct(x), Type::Struct(y)) = (a.ty.innermost(), b.ty.innermost()) {
+            let said = x.name == y.name
+                || found.iter().any(|change| {
+                    change.kind == Kind::StructureRenamed
+                        && (change.old.as_deref(), change.new.as_deref())
+                            == (Some(&*x.name), Some(&*y.name))
+                });
+            if !said {
+                let message =
+                    format!("structure `{}` of `{path}` is called `{}` now", x.name, y.name);
+                found.push(Change {
+                    path: path.clone(),
+                    ..change(
+                        (Kind::StructureRenamed, Class::Cosmetic),
+                        (Some(x.name.to_string()), Some(y.name.to_string())),
+                        message,
+                    )
+                });
+            }
+        }
+        if changes.is_empty() && (a.align, a.size) != (b.align, b.size) {
+            let number = |n: Option<u64>| n.map_or("any number of".to_string(), |n| n.to_string());
+            let (what, was, is) = match a.align == b.align {
+                true => ("takes", number(a.size), number(b.size)),
+                false => ("is aligned to", number(a.align), number(b.align)),
+            };
+            let message = format!("`{path}` {what} {is} bytes, before {was}, and no member moves");
+            found.push(Change {
+                path: path.clone(),
+                ..change((Kind::Alignment, Class::Cosmetic), (Some(was), Some(is)), message)
+            });
+        }
+        below(&a.members, &b.members, &path, changes, found);
+    }
+}

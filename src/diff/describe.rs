@@ -1,0 +1,395 @@
+//! Facts about leaves as changes: one line for all leaves of a member that share a fate.
+//!
+//! Reads [`super::leaves`].
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::leaves::{Fact, New, What};
+use super::{Block, Change, Class, Kind};
+use crate::layout::{BlockLayout, Leaf, MemberLayout};
+use crate::shape::ArrayLen;
+
+/// The changes that those facts are, in the order of the bytes.
+pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec<Change> {
+    if facts.is_empty() {
+        return Vec::new();
+    }
+    let mut out = Out {
+        old,
+        new,
+        old_members: by_path(old.layout),
+        new_members: by_path(new.layout),
+        said: FxHashMap::default(),
+        changes: Vec::new(),
+    };
+    let moved = Group::of(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
+        (What::Moved, Some(a), Some(b)) => Some((a, start(b).wrapping_sub(start(a)))),
+        _ => None,
+    });
+    let gone = Group::of(facts, old.layout, |fact| match (&fact.what, fact.old) {
+        (What::Gone, Some(a)) => Some((a, 0)),
+        _ => None,
+    });
+    let added = Group::of(facts, new.layout, |fact| match (&fact.what, fact.new) {
+        (What::New(New::Past), Some(b)) => Some((b, 0)),
+        (What::New(New::Padding), Some(b)) => Some((b, 1)),
+        (What::New(New::Reads(_)), Some(b)) => Some((b, 2)),
+        _ => None,
+    });
+    let mut renamed = Renames::of(facts, old.layout);
+    for fact in facts {
+        match (fact.old, fact.new) {
+            (Some(a), Some(b)) => match &fact.what {
+                What::Moved => out.moved(moved.whole(a), start(b).wrapping_sub(start(a))),
+                What::Renamed => out.renamed(renamed.pair(a, b), a),
+                what => out.both(a, b, what),
+            },
+            (Some(a), None) => out.gone(gone.whole(a)),
+            (None, Some(b)) => {
+                if let What::New(how) = &fact.what {
+                    out.added(added.whole(b), how);
+                }
+            }
+            (None, None) => {}
+        }
+    }
+    out.changes.sort_by_key(|(at, _)| *at);
+    out.changes.into_iter().map(|(_, change)| change).collect()
+}
+
+fn start(leaf: &Leaf) -> u64 {
+    leaf.offset.unwrap_or(0)
+}
+
+/// Which members stand for leaves that share a fate.
+struct Group<'a> {
+    /// The fate of all leaves below a path; `None` where they differ.
+    below: FxHashMap<&'a str, Option<u64>>,
+}
+
+impl<'a> Group<'a> {
+    fn of<'f>(
+        facts: &[Fact<'f>],
+        block: &'a BlockLayout,
+        fate: impl Fn(&Fact<'f>) -> Option<(&'f Leaf, u64)>,
+    ) -> Group<'a> {
+        let of: FxHashMap<&str, u64> = facts
+            .iter()
+            .filter_map(|fact| fate(fact).map(|(leaf, fate)| (leaf.path.as_str(), fate)))
+            .collect();
+        let mut below = FxHashMap::default();
+        if of.is_empty() {
+            return Group { below };
+        }
+        for leaf in &block.leaves {
+            let fate = of.get(leaf.path.as_str()).copied();
+            for prefix in prefixes(&leaf.path) {
+                let shared = below.entry(prefix).or_insert(fate);
+                if *shared != fate {
+                    *shared = None;
+                }
+            }
+        }
+        Group { below }
+    }
+
+    /// The shortest path that stands for a leaf and only for leaves of the same fate.
+    fn whole<'p>(&self, leaf: &'p Leaf) -> &'p str {
+        let same = |prefix: &&str| self.below.get(prefix).is_some_and(Option::is_some);
+        prefixes(&leaf.path).find(same).unwrap_or(&leaf.path)
+    }
+}
+
+/// `data[]`, `data[].pos`, …
+fn prefixes(path: &str) -> impl Iterator<Item = &str> {
+    let dots = path.match_indices('.').map(|(at, _)| at);
+    dots.chain([path.len()]).map(|end| &path[..end])
+}
+
+fn is_below(path: &str, prefix: &str) -> bool {
+    path.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// A path without the brackets at its end: `data` for `data[]`.
+fn bare(path: &str) -> &str {
+    let mut path = path;
+    while let Some(less) = path.strip_suffix("[]") {
+        path = less;
+    }
+    path
+}
+
+/// Pairs of old and new paths that are renames, the ends they share cut off.
+struct Renames<'a> {
+    all: FxHashSet<(&'a str, &'a str)>,
+    leaves: &'a [Leaf],
+    at: FxHashMap<&'a str, usize>,
+    /// Members that are known to be renamed as a whole, or not to be.
+    known: FxHashMap<(String, String), bool>,
+}
+
+impl<'a> Renames<'a> {
+    fn of(facts: &[Fact<'a>], block: &'a BlockLayout) -> Renames<'a> {
+        let renames = facts.iter().filter(|fact| fact.what == What::Renamed);
+        let pair = |fact: &Fact<'a>| Some((fact.old?.path.as_str(), fact.new?.path.as_str()));
+        let all: FxHashSet<_> = renames.filter_map(pair).collect();
+        let leaves = if all.is_empty() { &[] } else { block.leaves.as_slice() };
+        let at = leaves.iter().enumerate().map(|(i, leaf)| (leaf.path.as_str(), i)).collect();
+        Renames { all, leaves, at, known: FxHashMap::default() }
+    }
+
+    /// The members that are one, if all leaves of the old one are in the new one; else the leaves.
+    fn pair<'p>(&mut self, old: &'p Leaf, new: &'p Leaf) -> (&'p str, &'p str) {
+        let (mut a, mut b) = (old.path.as_str(), new.path.as_str());
+        while let (Some((rest_a, end_a)), Some((rest_b, end_b))) =
+            (a.rsplit_once('.'), b.rsplit_once('.'))
+        {
+            // What stands above a rename that is not at the end has been renamed itself.
+            if end_a != end_b || rest_a == rest_b {
+                break;
+            }
+            (a, b) = (rest_a, rest_b);
+        }
+        let key = (a.to_string(), b.to_string());
+        let whole = match self.known.get(&key) {
+            Some(whole) => *whole,
+            None => {
+                let whole = self.is_whole(old, a, b);
+                self.known.insert(key, whole);
+                whole
+            }
+        };
+        if whole { (a, b) } else { (&old.path, &new.path) }
+    }
+
+    fn is_whole(&self, leaf: &Leaf, a: &str, b: &str) -> bool {
+        // The leaves of a member stand together.
+        let at = self.at.get(leaf.path.as_str()).copied().unwrap_or(0);
+        let is_below = |leaf: &&Leaf| is_below(&leaf.path, a);
+        let before = self.leaves[..at].iter().rev().take_while(is_below);
+        let mut below = before.chain(self.leaves[at..].iter().take_while(is_below));
+        below.all(|leaf| {
+            let new = format!("{b}{}", &leaf.path[a.len()..]);
+            self.all.contains(&(leaf.path.as_str(), new.as_str()))
+        })
+    }
+}
+
+/// Every member of a block by its pattern, and where it starts.
+fn by_path(block: &BlockLayout) -> FxHashMap<String, (&MemberLayout, u64)> {
+    fn collect<'a>(
+        members: &'a [MemberLayout],
+        (parent, base): (&str, u64),
+        found: &mut FxHashMap<String, (&'a MemberLayout, u64)>,
+    ) {
+        for member in members {
+            let path = format!("{parent}{}{}", member.name, "[]".repeat(member.dims.len()));
+            let at = base + member.offset.unwrap_or(0);
+            collect(&member.members, (&format!("{path}."), at), found);
+            found.insert(path, (member, at));
+        }
+    }
+    let mut found = FxHashMap::default();
+    collect(&block.members, ("", 0), &mut found);
+    found
+}
+
+struct Out<'a> {
+    old: Block<'a>,
+    new: Block<'a>,
+    old_members: FxHashMap<String, (&'a MemberLayout, u64)>,
+    new_members: FxHashMap<String, (&'a MemberLayout, u64)>,
+    /// What has been said of a member for all its leaves, and as which change.
+    said: FxHashMap<(Kind, String), usize>,
+    changes: Vec<(u64, Change)>,
+}
+
+impl Out<'_> {
+    fn say(
+        &mut self,
+        at: u64,
+        (kind, class): (Kind, Class),
+        path: &str,
+        (old, new): (Option<String>, Option<String>),
+        message: String,
+    ) {
+        let key = format!("{path}\0{old:?}\0{new:?}");
+        match self.said.get(&(kind, key.clone())) {
+            // Leaves of one structure may fare differently with it: the worst is said.
+            Some(&known) if self.changes[known].1.class < class => {
+                let change = &mut self.changes[known].1;
+                (change.class, change.message) = (class, message);
+            }
+            Some(_) => {}
+            None => {
+                self.said.insert((kind, key), self.changes.len());
+                let path = bare(path).to_string();
+                self.changes.push((at, Change { kind, class, path, old, new, message }));
+            }
+        }
+    }
+
+    fn moved(&mut self, path: &str, by: u64) {
+        let from = self.old_members.get(path).map_or(0, |(_, at)| *at);
+        let to = from.wrapping_add(by);
+        let name = bare(path);
+        let values = (Some(from.to_string()), Some(to.to_string()));
+        let message = format!("`{name}` moved from {from} to {to}");
+        self.say(from, (Kind::Moved, Class::Breaking), path, values, message);
+    }
+
+    fn gone(&mut self, path: &str) {
+        let at = self.old_members.get(path).map_or(0, |(_, at)| *at);
+        let ty = spelled(&self.old_members, self.old, path);
+        let name = bare(path);
+        let message = format!("`{name}` (`{ty}` at {at}) is gone");
+        self.say(at, (Kind::Removed, Class::Breaking), path, (Some(ty), None), message);
+    }
+
+    fn added(&mut self, path: &str, how: &New) {
+        let at = self.new_members.get(path).map_or(0, |(_, at)| *at);
+        let ty = spelled(&self.new_members, self.new, path);
+        let name = bare(path);
+        let (kind, class, message) = match how {
+            New::Past => (
+                Kind::Appended,
+                Class::Compatible,
+                format!("`{name}` (`{ty}`) is appended at {at}"),
+            ),
+            New::Padding => (
+                Kind::PaddingUsed,
+                Class::Compatible,
+                format!("`{name}` (`{ty}`) takes bytes at {at} that were padding"),
+            ),
+            New::Reads(other) => {
+                let message = format!(
+                    "`{name}` (`{ty}`) is inserted at {at}, where old uploads have `{other}`"
+                );
+                (Kind::Inserted, Class::Breaking, message)
+            }
+        };
+        self.say(at, (kind, class), path, (None, Some(ty)), message);
+    }
+
+    fn renamed(&mut self, (from, to): (&str, &str), leaf: &Leaf) {
+        let (name, now) = (bare(from), bare(to));
+        // Within one structure the last part of the path says it all.
+        let short = match (from.rsplit_once('.'), to.rsplit_once('.')) {
+            (Some((a, _)), Some((b, last))) if a == b => bare(last),
+            _ => now,
+        };
+        if name == now {
+            // `x` and `x[]` are other paths, but the name is the same.
+            let was = spelled(&self.old_members, self.old, from);
+            let is = spelled(&self.new_members, self.new, to);
+            let message =
+                format!("`{name}` is `{is}` now, was `{was}`: what it had stays in place");
+            let values = (Some(was), Some(is));
+            self.say(start(leaf), (Kind::Reshaped, Class::Cosmetic), from, values, message);
+            return;
+        }
+        let message = format!("`{name}` is called `{short}` now, in the same place");
+        let values = (Some(name.to_string()), Some(now.to_string()));
+        self.say(start(leaf), (Kind::Renamed, Class::Cosmetic), from, values, message);
+    }
+
+    /// What can happen to a leaf that both have.
+    fn both(&mut self, old: &Leaf, new: &Leaf, what: &What) {
+        let path = old.path.as_str();
+        let name = bare(path);
+        let at = start(old);
+        match what {
+            What::Retyped => {
+                let was = old.ty.spelled(self.old.side.language).to_string();
+                let is = new.ty.spelled(self.new.side.language).to_string();
+                let message = format!("`{name}` changed from `{was}` to `{is}`");
+                let kind = (Kind::Retyped, Class::Breaking);
+                self.say(at, kind, path, (Some(was), Some(is)), message);
+            }
+            What::Majorness => {
+                let word = |rows| if rows { "rows" } else { "columns" };
+                let (was, is) = (word(old.row_major), word(new.row_major));
+                let message = format!("`{name}` is stored by {is}, was by {was}");
+                let values = (Some(was.to_string()), Some(is.to_string()));
+                self.say(at, (Kind::Majorness, Class::Breaking), path, values, message);
+            }
+            What::MatrixStride => {
+                let (was, is) = (old.matrix_stride.unwrap_or(0), new.matrix_stride.unwrap_or(0));
+                let message = format!("`{name}` changed its matrix stride from {was} to {is}");
+                let values = (Some(was.to_string()), Some(is.to_string()));
+                self.say(at, (Kind::MatrixStride, Class::Breaking), path, values, message);
+            }
+            What::Stride { dim, matters } => {
+                let (was, is) = (old.strides[*dim], new.strides[*dim]);
+                let owner = owner_of_dim(path, *dim);
+                let name = bare(owner);
+                let mut message = format!("`{name}` changed its array stride from {was} to {is}");
+                let class = if *matters { Class::Breaking } else { Class::Cosmetic };
+                if !matters {
+                    message.push_str("; its one element stays where it is");
+                }
+                let values = (Some(was.to_string()), Some(is.to_string()));
+                self.say(at, (Kind::ArrayStride, class), owner, values, message);
+            }
+            What::Longer { dim, new: how } => {
+                let (was, is) = (len(&old.dims[*dim]), len(&new.dims[*dim]));
+                let owner = owner_of_dim(path, *dim);
+                let name = bare(owner);
+                let (class, rest) = match how {
+                    None => (Class::Cosmetic, "over what had names of its own".to_string()),
+                    Some(New::Past) => (Class::Compatible, "the new ones at the end".to_string()),
+                    Some(New::Padding) => {
+                        (Class::Compatible, "the new ones in what was padding".to_string())
+                    }
+                    Some(New::Reads(other)) => {
+                        (Class::Breaking, format!("the new ones where old uploads have `{other}`"))
+                    }
+                };
+                let values = (Some(was.clone()), Some(is.clone()));
+                let message = format!("`{name}` grew from {was} to {is} elements, {rest}");
+                self.say(at, (Kind::Lengthened, class), owner, values, message);
+            }
+            What::Shorter { dim, lost } => {
+                let (was, is) = (len(&old.dims[*dim]), len(&new.dims[*dim]));
+                let owner = owner_of_dim(path, *dim);
+                let name = bare(owner);
+                let class = if *lost { Class::Breaking } else { Class::Cosmetic };
+                let rest = if *lost { "the last are gone" } else { "the last have other names" };
+                let values = (Some(was.clone()), Some(is.clone()));
+                let message = format!("`{name}` shrank from {was} to {is} elements: {rest}");
+                self.say(at, (Kind::Shortened, class), owner, values, message);
+            }
+            // Said of whole members, or of leaves that only one side has.
+            What::Moved | What::Renamed | What::Gone | What::New(_) => {}
+        }
+    }
+}
+
+fn len(len: &ArrayLen) -> String {
+    match len {
+        ArrayLen::Fixed(n) => n.to_string(),
+        ArrayLen::Runtime => "any number of".to_string(),
+        ArrayLen::Override(name) => format!("`{name}`"),
+    }
+}
+
+/// The part of a path that a dimension belongs to: `data[]` for the first of `data[].w[]`.
+fn owner_of_dim(path: &str, dim: usize) -> &str {
+    let brackets = path.match_indices("[]").nth(dim);
+    let mut end = brackets.map_or(path.len(), |(at, _)| at + 2);
+    // All dimensions of one member are its own.
+    while path[end..].starts_with("[]") {
+        end += 2;
+    }
+    &path[..end]
+}
+
+/// The type of the member that a path stands for.
+fn spelled(
+    members: &FxHashMap<String, (&MemberLayout, u64)>,
+    block: Block<'_>,
+    path: &str,
+) -> String {
+    let member = members.get(path).map(|(member, _)| *member);
+    member.map(|member| member.ty.spelled(block.side.language).to_string()).unwrap_or_default()
+}

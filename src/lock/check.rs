@@ -1,0 +1,153 @@
+//! Whether the numbers of a lock can all be true at once.
+//!
+//! Called by [`super::read`], so that whatever takes a lock's blocks may trust them as it trusts
+//! those of a shader.
+
+use super::read::{Place, Within};
+use crate::error::Error;
+use crate::layout::measure::reach;
+use crate::layout::{BlockLayout, MemberLayout, occupied};
+use crate::shape::{AddressSpace, ArrayLen, Type};
+
+/// Two blocks may share a name, but not an instance as well.
+pub(super) fn blocks(place: &Place<'_>, blocks: &[BlockLayout]) -> Result<(), Error> {
+    let key = |b: &BlockLayout| (b.name.clone(), b.instance.clone(), b.space, b.group, b.binding);
+    let mut seen = std::collections::HashSet::new();
+    match blocks.iter().find(|block| !seen.insert(key(block))) {
+        None => Ok(()),
+        Some(block) => {
+            let message = format!("the block `{}` is listed twice", block.name);
+            Err(place.contradiction(block.span.start, &message))
+        }
+    }
+}
+
+/// A block against its members.
+pub(super) fn block(place: &Place<'_>, block: &BlockLayout) -> Result<(), Error> {
+    let refuse = |message: String| Err(place.contradiction(block.span.start, &message));
+    let name = &block.name;
+    siblings(place, &block.members)?;
+    if block.space == AddressSpace::Default {
+        return match block.size.or(block.data_size).or(block.align) {
+            None => Ok(()),
+            Some(_) => refuse("loose uniforms have no bytes, so no size".to_string()),
+        };
+    }
+    let (Some(size), Some(data_size), Some(align)) = (block.size, block.data_size, block.align)
+    else {
+        return refuse(format!("`{name}` lacks `size`, `data_size` or `align`"));
+    };
+    let end = block.members.iter().filter_map(|m| Some(m.offset? + reach(m))).max().unwrap_or(0);
+    if end != data_size {
+        return refuse(format!(
+            "`{name}` has `data_size` {data_size}, but its members end at {end}"
+        ));
+    }
+    if size < data_size {
+        return refuse(format!("`{name}` is {size} bytes, but its members end at {data_size}"));
+    }
+    if !align.is_power_of_two() {
+        return refuse(format!("`{name}` is aligned to {align}, which is no power of two"));
+    }
+    Ok(())
+}
+
+/// A member against its type and its own members.
+pub(super) fn member(
+    place: &Place<'_>,
+    member: &MemberLayout,
+    within: &Within<'_>,
+) -> Result<(), Error> {
+    let refuse = |message: String| Err(place.contradiction(member.span.start, &message));
+    let name = &member.name;
+    siblings(place, &member.members)?;
+    if within.loose {
+        let numbers = [member.offset, member.size, member.align, member.matrix_stride];
+        if numbers.iter().any(Option::is_some) || !member.strides.is_empty() {
+            return refuse(format!("`{name}` is a loose uniform, which has no offset or size"));
+        }
+        return Ok(());
+    }
+    let (Some(offset), Some(align)) = (member.offset, member.align) else {
+        return refuse(format!("`{name}` lacks `offset` or `align`"));
+    };
+    if !align.is_power_of_two() {
+        return refuse(format!("`{name}` is aligned to {align}, which is no power of two"));
+    }
+    if offset % align != 0 {
+        return refuse(format!("`{name}` is at offset {offset}, but aligned to {align}"));
+    }
+    if member.strides.len() != member.dims.len() {
+        let (strides, dims) = (member.strides.len(), member.dims.len());
+        return refuse(format!("`{name}` has {dims} array dimensions and {strides} strides"));
+    }
+    let is_matrix = matches!(member.ty.innermost(), Type::Matrix { .. });
+    if is_matrix != member.matrix_stride.is_some() {
+        let message = match is_matrix {
+            true => format!("`{name}` is made of matrices and lacks `matrix_stride`"),
+            false => format!("`{name}` is made of no matrices and has a `matrix_stride`"),
+        };
+        return refuse(message);
+    }
+    let mut needed = element(member);
+    for (len, stride) in member.dims.iter().zip(&member.strides).rev() {
+        if u128::from(*stride) < needed {
+            return refuse(format!(
+                "`{name}` has an array stride of {stride}, but an element takes {needed} bytes"
+            ));
+        }
+        let before_last = match len {
+            ArrayLen::Fixed(n) => u128::from(n.saturating_sub(1)),
+            ArrayLen::Runtime | ArrayLen::Override(_) => 0,
+        };
+        needed += before_last * u128::from(*stride);
+    }
+    match member.size {
+        Some(size) if u128::from(size) >= needed => Ok(()),
+        Some(size) => refuse(format!("`{name}` is {size} bytes, but what is in it takes {needed}")),
+        None if member.dims.iter().any(|len| !matches!(len, ArrayLen::Fixed(_))) => Ok(()),
+        None => refuse(format!("`{name}` lacks `size`")),
+    }
+}
+
+/// Bytes one element takes up to the end of the last thing in it.
+fn element(member: &MemberLayout) -> u128 {
+    match member.ty.innermost() {
+        Type::Matrix { scalar, columns, rows } => {
+            let (vectors, parts) = if member.row_major { (rows, columns) } else { (columns, rows) };
+            let stride = u128::from(member.matrix_stride.unwrap_or(0));
+            stride * u128::from(vectors - 1) + u128::from(*parts) * u128::from(scalar.width)
+        }
+        Type::Struct(_) => {
+            let ends = member.members.iter().filter_map(|m| Some(m.offset? + reach(m)));
+            ends.max().unwrap_or(0).into()
+        }
+        plain => occupied(plain).into(),
+    }
+}
+
+/// Names are told apart, and so are bytes.
+fn siblings(place: &Place<'_>, members: &[MemberLayout]) -> Result<(), Error> {
+    let mut seen = std::collections::HashSet::new();
+    if let Some(twice) = members.iter().find(|member| !seen.insert(&member.name)) {
+        let message = format!("the member `{}` is listed twice", twice.name);
+        return Err(place.contradiction(twice.span.start, &message));
+    }
+    let mut placed: Vec<&MemberLayout> =
+        members.iter().filter(|m| m.offset.is_some() && reach(m) > 0).collect();
+    placed.sort_by_key(|member| member.offset);
+    for pair in placed.windows(2) {
+        let (start, next) = (pair[0].offset.unwrap_or(0), pair[1].offset.unwrap_or(0));
+        let end = start + reach(pair[0]);
+        if next < end {
+            let message = format!(
+                "`{}` at offset {next} overlaps `{}`, which occupies {start} to {}",
+                pair[1].name,
+                pair[0].name,
+                end - 1
+            );
+            return Err(place.contradiction(pair[1].span.start, &message));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,163 @@
+//! A lock as text: JSON that changes only where the layout does, one member a line.
+//!
+//! Reads the layout model; [`super::read`] reads it back. The keys are those of the layout's JSON,
+//! less what lines, tools and paths add to it.
+
+use std::fmt::Write as _;
+
+use super::{Lock, SCHEMA_VERSION, Verified};
+use crate::ShaderLayout;
+use crate::layout::{BlockLayout, MemberLayout};
+use crate::shape::{AddressSpace, ArrayLen, Type};
+use crate::source::Language;
+
+/// The lock of a shader, with nothing verified.
+pub fn write(shader: &ShaderLayout) -> String {
+    document(&shader.blocks, shader.language, &[])
+}
+
+/// The lock of a shader in the place of an older one: what was verified is kept while the layout
+/// is what it was.
+pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
+    let text = write(shader);
+    match old {
+        Some(old) if !old.verified.is_empty() && old.bare() == text => {
+            document(&shader.blocks, shader.language, &old.verified)
+        }
+        Some(_) | None => text,
+    }
+}
+
+pub(super) fn document(
+    blocks: &[BlockLayout],
+    language: Language,
+    verified: &[Verified],
+) -> String {
+    let mut out = Text { text: String::new(), language };
+    let name = language.name();
+    let _ = write!(
+        out.text,
+        "{{\n  \"schema_version\": {SCHEMA_VERSION},\n  \"language\": \"{name}\",\n  \"blocks\": ["
+    );
+    for (i, block) in blocks.iter().enumerate() {
+        out.text.push_str(if i == 0 { "\n" } else { ",\n" });
+        out.block(block);
+    }
+    out.text.push_str(if blocks.is_empty() { "]" } else { "\n  ]" });
+    if !verified.is_empty() {
+        out.verified(verified);
+    }
+    out.text.push_str("\n}\n");
+    out.text
+}
+
+struct Text {
+    text: String,
+    language: Language,
+}
+
+fn quoted(text: &str) -> String {
+    serde_json::to_string(text).expect("a string is always JSON")
+}
+
+impl Text {
+    fn block(&mut self, block: &BlockLayout) {
+        let mut lines = vec![("name", quoted(&block.name))];
+        lines.extend(block.instance.as_ref().map(|name| ("instance", quoted(name))));
+        lines.push(("address_space", quoted(block.space.name())));
+        if block.space != AddressSpace::Default {
+            lines.push(("rules", quoted(block.rules.name())));
+            lines.push(("rules_declared", block.rules_declared.to_string()));
+        }
+        let numbers =
+            [("group", block.group.map(u64::from)), ("binding", block.binding.map(u64::from))];
+        lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
+        let count = count(&block.count);
+        if count != "1" {
+            lines.push(("count", count));
+        }
+        let numbers =
+            [("size", block.size), ("data_size", block.data_size), ("align", block.align)];
+        lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
+        self.text.push_str("    {\n");
+        for (key, value) in lines {
+            let _ = writeln!(self.text, "      \"{key}\": {value},");
+        }
+        self.text.push_str("      \"members\": ");
+        self.members(&block.members, 4);
+        self.text.push_str("\n    }");
+    }
+
+    fn members(&mut self, members: &[MemberLayout], depth: usize) {
+        if members.is_empty() {
+            self.text.push_str("[]");
+            return;
+        }
+        self.text.push('[');
+        for (i, member) in members.iter().enumerate() {
+            self.text.push_str(if i == 0 { "\n" } else { ",\n" });
+            self.text.push_str(&"  ".repeat(depth));
+            self.member(member, depth);
+        }
+        self.text.push('\n');
+        self.text.push_str(&"  ".repeat(depth - 1));
+        self.text.push(']');
+    }
+
+    fn member(&mut self, member: &MemberLayout, depth: usize) {
+        let ty = quoted(&member.ty.spelled(self.language).to_string());
+        let _ = write!(self.text, "{{\"name\": {}, \"type\": {ty}", quoted(&member.name));
+        let numbers = [("offset", member.offset), ("size", member.size), ("align", member.align)];
+        for (key, number) in numbers {
+            if let Some(number) = number {
+                let _ = write!(self.text, ", \"{key}\": {number}");
+            }
+        }
+        if !member.strides.is_empty() {
+            let strides: Vec<String> = member.strides.iter().map(u64::to_string).collect();
+            let _ = write!(self.text, ", \"strides\": [{}]", strides.join(", "));
+        }
+        if let Some(stride) = member.matrix_stride {
+            let _ = write!(self.text, ", \"matrix_stride\": {stride}");
+        }
+        match member.ty.innermost() {
+            Type::Matrix { .. } => {
+                let _ = write!(self.text, ", \"row_major\": {}", member.row_major);
+            }
+            Type::Struct(_) => {
+                self.text.push_str(", \"members\": ");
+                self.members(&member.members, depth + 1);
+            }
+            Type::Scalar(_)
+            | Type::Atomic(_)
+            | Type::Vector { .. }
+            | Type::Address(_)
+            | Type::Array { .. } => {}
+        }
+        self.text.push('}');
+    }
+
+    fn verified(&mut self, verified: &[Verified]) {
+        self.text.push_str(",\n  \"verified\": [");
+        for (i, one) in verified.iter().enumerate() {
+            self.text.push_str(if i == 0 { "\n" } else { ",\n" });
+            let _ = write!(self.text, "    {{\"reader\": {}", quoted(&one.reader));
+            let rest =
+                [("adapter", &one.adapter), ("driver", &one.driver), ("version", &one.version)];
+            for (key, value) in rest {
+                let _ = write!(self.text, ", \"{key}\": {}", quoted(value));
+            }
+            self.text.push('}');
+        }
+        self.text.push_str("\n  ]");
+    }
+}
+
+/// Buffers of an array of blocks; null when the text does not say.
+fn count(dims: &[ArrayLen]) -> String {
+    let product = dims.iter().try_fold(1u64, |product, len| match len {
+        ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
+        ArrayLen::Runtime | ArrayLen::Override(_) => None,
+    });
+    product.map_or("null".to_string(), |n| n.to_string())
+}
