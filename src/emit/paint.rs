@@ -21,7 +21,6 @@ pub(super) const HEADING: Style = AnsiColor::Green.on_default().bold();
 pub(super) const REMOVED: Style = AnsiColor::Red.on_default();
 pub(super) const CAUTION: Style = AnsiColor::Yellow.on_default();
 pub(super) const ADDED: Style = AnsiColor::Green.on_default();
-pub(super) const REMOVED: Style = AnsiColor::Red.on_default();
 
 impl Paint {
     /// The text in that style.
