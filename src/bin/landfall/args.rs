@@ -2,6 +2,7 @@
 
 mod codec;
 mod lock;
+mod verify;
 
 use std::path::PathBuf;
 
@@ -10,6 +11,7 @@ use landfall::emit::rust::Vectors;
 use landfall::{Language, Rules, Stage, Target, emit};
 
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
@@ -40,6 +42,8 @@ pub enum Command {
     Encode(EncodeArgs),
     /// Turn the bytes of a block into a table or JSON, and flag what looks wrong
     Decode(DecodeArgs),
+    /// Upload a buffer, let the shader read it, and say which byte every member was read from
+    Verify(VerifyArgs),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
     /// Write the lock of every shader: its layout, to be committed and compared with
@@ -263,6 +267,8 @@ pub enum Schema {
     Explain,
     /// check --format json
     Check,
+    /// verify --format json
+    Verify,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

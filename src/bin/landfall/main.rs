@@ -18,8 +18,10 @@ mod port;
 mod read;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 mod reader;
+mod readers;
 mod schema;
 mod shader;
+mod verify;
 mod work;
 
 use std::process::ExitCode;
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         Command::Port(args) => port::run(args, &streams),
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
+        Command::Verify(args) => verify::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

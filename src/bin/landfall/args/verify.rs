@@ -1,0 +1,90 @@
+//! Arguments of `landfall verify`.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::ValueEnum;
+use landfall::Stage;
+
+use super::{ReadArgs, stage};
+
+#[derive(Debug, clap::Args)]
+pub struct VerifyArgs {
+    /// Files, directories and globs; - reads stdin
+    #[arg(value_name = "FILE", default_value = ".")]
+    pub files: Vec<PathBuf>,
+    /// Who reads [default: all that are here]
+    #[arg(long = "reader", value_name = "READER", value_delimiter = ',')]
+    pub readers: Vec<ReaderName>,
+    /// Fail when that reader is not to be had
+    #[arg(long, value_name = "READER", value_delimiter = ',')]
+    pub require: Vec<ReaderName>,
+    /// Form of the output
+    #[arg(short, long, value_name = "FORMAT", default_value = "human")]
+    pub format: VerifyFormat,
+    /// Only the block of that name, by its own or its instance's
+    #[arg(short, long, value_name = "NAME")]
+    pub block: Option<String>,
+    /// Prove the layout in FILE, a lock or the output of layout --format json, not the computed one
+    #[arg(long, value_name = "FILE")]
+    pub layout: Option<PathBuf>,
+    /// Stages that read [default: the shader's own]
+    #[arg(long = "in-stage", value_name = "STAGE", value_delimiter = ',', value_parser = stage)]
+    pub stages: Vec<Stage>,
+    /// Run the module naga makes of the text, to see what a wgpu program reads
+    #[arg(long)]
+    pub naga: bool,
+    /// Part of the name of the GPU adapter to take
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Note in the locks who confirmed them
+    #[arg(long)]
+    pub record: bool,
+    /// Directory of the locks that --record writes to
+    #[arg(long, value_name = "DIR", default_value = "layouts")]
+    pub locks: PathBuf,
+    /// Seconds after which a reader has failed at a probe
+    #[arg(long, value_name = "SECONDS", default_value = "20", value_parser = seconds)]
+    pub limit: Duration,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReaderName {
+    /// Landfall's own evaluator
+    Cpu,
+    /// The OpenGL driver, with the text as it is
+    Gl,
+    /// wgpu: Vulkan, Metal or DX12
+    Gpu,
+}
+
+impl ReaderName {
+    pub const ALL: [ReaderName; 3] = [ReaderName::Cpu, ReaderName::Gl, ReaderName::Gpu];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            ReaderName::Cpu => "cpu",
+            ReaderName::Gl => "gl",
+            ReaderName::Gpu => "gpu",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum VerifyFormat {
+    /// A line a block, details where a reader disagrees
+    Human,
+    /// JSON as `landfall schema verify` describes it
+    Json,
+}
+
+/// A number of seconds.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "a limit is a number of seconds".to_string())?;
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(limit) if !limit.is_zero() => Ok(limit),
+        Ok(_) | Err(_) => Err("a limit is a positive number of seconds".to_string()),
+    }
+}

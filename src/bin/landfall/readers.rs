@@ -1,0 +1,69 @@
+//! The readers a command asks: the evaluator here, each driver in a process of its own.
+
+use landfall::run::reader::{Failure, Reader};
+use landfall::run::verify::report::Attendance;
+
+use crate::args::ReaderName;
+
+/// The readers that could be had, and who they are or why they are missing.
+pub struct Readers {
+    pub here: Vec<Box<dyn Reader>>,
+    pub attendance: Vec<Attendance>,
+}
+
+/// Opens readers by name; all there are where none is named.
+pub fn open(names: &[ReaderName], adapter: Option<&str>) -> Readers {
+    let names = if names.is_empty() { &ReaderName::ALL } else { names };
+    let mut readers = Readers { here: Vec::new(), attendance: Vec::new() };
+    for name in ReaderName::ALL.iter().filter(|name| names.contains(name)) {
+        match one(*name, adapter) {
+            Ok(reader) => {
+                readers.attendance.push(Attendance::Here(reader.device().clone()));
+                readers.here.push(reader);
+            }
+            Err(failure) => {
+                readers.attendance.push(Attendance::Missing { reader: name.name(), failure });
+            }
+        }
+    }
+    readers
+}
+
+fn one(name: ReaderName, adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
+    match name {
+        ReaderName::Cpu => Ok(Box::new(landfall::run::eval::Cpu::new())),
+        ReaderName::Gl => gl(),
+        ReaderName::Gpu => gpu(adapter),
+    }
+}
+
+#[cfg(feature = "gl")]
+fn gl() -> Result<Box<dyn Reader>, Failure> {
+    remote(&landfall::run::remote::Behind::Gl)
+}
+
+#[cfg(not(feature = "gl"))]
+fn gl() -> Result<Box<dyn Reader>, Failure> {
+    Err(Failure::missing("this landfall was built without the feature `gl`", ""))
+}
+
+#[cfg(feature = "gpu")]
+fn gpu(adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
+    remote(&landfall::run::remote::Behind::Gpu(adapter.map(str::to_string)))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn gpu(_adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
+    Err(Failure::missing("this landfall was built without the feature `gpu`", ""))
+}
+
+#[cfg(any(feature = "gl", feature = "gpu"))]
+fn remote(behind: &landfall::run::remote::Behind) -> Result<Box<dyn Reader>, Failure> {
+    use landfall::run::remote::{Launch, Remote};
+
+    let program = std::env::current_exe().map_err(|cause| {
+        let message = "the path of this program is not to be had, to start it again";
+        Failure::missing(message, cause.to_string())
+    })?;
+    Ok(Box::new(Remote::open(Launch::new(program, behind))?))
+}

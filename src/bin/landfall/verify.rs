@@ -1,0 +1,201 @@
+//! `landfall verify`: every block read back by every reader, and which byte each read saw.
+
+use std::path::Path;
+
+use landfall::emit::verify::{self as print, Counts};
+use landfall::file::write_whole;
+use landfall::lock::{self, Verified};
+use landfall::run::reader::Device;
+use landfall::run::verify::report::{Attendance, Outcome as Seen, ShaderReport};
+use landfall::run::verify::{Subject, VerifyOptions, verify};
+use landfall::source::Files;
+use landfall::{BlockLayout, Diagnostic, Error};
+
+use crate::args::{VerifyArgs, VerifyFormat};
+use crate::inputs::{Input, Inputs};
+use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::read;
+use crate::readers::{self, Readers};
+
+pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let options = VerifyOptions {
+        layout: read::options(&args.read),
+        given: args.layout.as_deref().map(given).transpose()?,
+        stages: args.stages.clone(),
+        naga: args.naga,
+        block: args.block.clone(),
+        limit: args.limit,
+    };
+    let mut readers = readers::open(&args.readers, args.adapter.as_deref());
+    required(args, &readers)?;
+    let form = match args.format {
+        VerifyFormat::Human => FindingForm::Human,
+        VerifyFormat::Json => FindingForm::Json,
+    };
+    let mut run = Run {
+        args,
+        options,
+        style: streams.style(form),
+        streams,
+        counts: Counts::default(),
+        could_not: false,
+    };
+    match args.format {
+        VerifyFormat::Human => {
+            streams.product(&print::readers(&readers.attendance, streams.paint))?;
+        }
+        VerifyFormat::Json => streams.product(&print::json_opening(&readers.attendance))?,
+    }
+    for input in Inputs::new(args.files.clone()) {
+        run.one(input, &mut readers)?;
+    }
+    run.finish()
+}
+
+/// The blocks of a lock or of the output of `layout --format json`.
+fn given(path: &Path) -> Result<Vec<BlockLayout>, Error> {
+    let text = read::text(path)?;
+    let locks = lock::read_all(&read::shown(path), &text)?;
+    Ok(locks.into_iter().flat_map(|lock| lock.blocks).collect())
+}
+
+/// Those that `--require` names must be here, and somebody must.
+fn required(args: &VerifyArgs, readers: &Readers) -> Result<(), Error> {
+    for attendance in &readers.attendance {
+        let Attendance::Missing { reader, failure } = attendance else { continue };
+        if args.require.iter().any(|name| name.name() == *reader) {
+            let message = format!("is required and did not run: {}", failure.message);
+            return Err(Error::new(*reader, message)
+                .with_help("`landfall devices` lists what is here"));
+        }
+    }
+    let named = |reader: &str| {
+        readers.attendance.iter().any(|attendance| match attendance {
+            Attendance::Here(device) => device.reader == reader,
+            Attendance::Missing { .. } => false,
+        })
+    };
+    if let Some(name) = args.require.iter().find(|name| !named(name.name())) {
+        let message = "is required, but `--reader` leaves it out";
+        return Err(Error::new(name.name(), message));
+    }
+    if readers.here.is_empty() {
+        return Err(Error::new("verify", "has no reader to run")
+            .with_help("`landfall devices` says why; `--reader cpu` needs nothing"));
+    }
+    Ok(())
+}
+
+struct Run<'a> {
+    args: &'a VerifyArgs,
+    options: VerifyOptions,
+    style: FindingStyle,
+    streams: &'a Streams,
+    counts: Counts,
+    could_not: bool,
+}
+
+impl Run<'_> {
+    fn one(
+        &mut self,
+        input: Result<Input, Error>,
+        readers: &mut Readers,
+    ) -> Result<(), Failure> {
+        let read = |input: Input| Ok((read::source(&input.path, &self.args.read)?, input));
+        let (source, input) = match input.and_then(read) {
+            Ok(read) => read,
+            Err(error) => {
+                self.refuse(&[error.into()], &Files::default());
+                return Ok(());
+            }
+        };
+        if self.streams.shows_progress() {
+            self.streams.progress(&format!("verifying {}", source.path));
+        }
+        let subject = match Subject::new(&source, &self.options) {
+            Ok(subject) => subject,
+            Err((shader, found)) => {
+                self.refuse(&found, &shader.files);
+                return Ok(());
+            }
+        };
+        let report = verify(&subject, &self.options, &mut readers.here);
+        let text = match self.args.format {
+            VerifyFormat::Human => format!("\n{}", print::shader(&report, self.streams.paint)),
+            VerifyFormat::Json => {
+                let comma = if self.counts.shaders > 0 { ",\n" } else { "" };
+                format!("{comma}{}", print::json_shader(&report))
+            }
+        };
+        self.counts.add(&report);
+        self.streams.product(&text)?;
+        if self.args.record {
+            self.record(&subject, &input, &report, &readers.attendance)?;
+        }
+        Ok(())
+    }
+
+    fn refuse(&mut self, found: &[Diagnostic], files: &Files) {
+        self.could_not = true;
+        self.streams.report(&self.style.text(found, files));
+    }
+
+    /// Notes in a shader's lock who confirmed all of its blocks.
+    fn record(
+        &self,
+        subject: &Subject,
+        input: &Input,
+        report: &ShaderReport,
+        attendance: &[Attendance],
+    ) -> Result<(), Failure> {
+        let path = lock::path_of(&self.args.locks, &input.relative);
+        let text = read::text(&path).map_err(|error| {
+            error.with_help("`landfall lock` writes it; then `verify --record` can add to it")
+        })?;
+        let mut lock = lock::read(&path.display().to_string(), &text)?;
+        let confirmed = |device: &Device| {
+            let mut seen = report.blocks.iter().map(|block| {
+                block.readers.iter().any(|reader| {
+                    reader.reader == device.reader && reader.outcome == Seen::Confirmed
+                })
+            });
+            !report.blocks.is_empty() && seen.all(|seen| seen)
+        };
+        for attendance in attendance {
+            let Attendance::Here(device) = attendance else { continue };
+            if device.reader == "cpu" || !confirmed(device) {
+                continue;
+            }
+            let verified = Verified {
+                reader: device.reader.to_string(),
+                adapter: device.adapter.clone(),
+                driver: format!("{} {}", device.driver, device.version).trim().to_string(),
+                version: env!("CARGO_PKG_VERSION").to_string(),
+            };
+            lock.verified.retain(|other| {
+                (&other.reader, &other.adapter) != (&verified.reader, &verified.adapter)
+            });
+            lock.verified.push(verified);
+        }
+        // A lock of another layout keeps nobody's word.
+        let renewed = lock::renew(subject.layout(), Some(&lock));
+        if renewed != text {
+            write_whole(&path, renewed.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<Outcome, Failure> {
+        if self.args.format == VerifyFormat::Json {
+            self.streams.product(print::json_closing(self.counts.shaders))?;
+        }
+        self.streams.notes(&print::summary(&self.counts));
+        Ok(if self.could_not || self.counts.failed > 0 {
+            Outcome::CouldNot
+        } else if self.counts.elsewhere > 0 {
+            Outcome::Findings
+        } else {
+            Outcome::Clean
+        })
+    }
+}
