@@ -1,0 +1,2 @@
+//! The evaluator as a reader of jobs.
+pub struct Cpu;

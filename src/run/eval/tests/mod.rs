@@ -1,0 +1,5 @@
+//! Claims about the evaluator, on modules that naga's own front end reads.
+
+mod support;
+
+mod control;
