@@ -17,6 +17,7 @@ mod counts;
 mod flatten;
 mod interface;
 mod machine;
+mod pixels;
 mod program;
 mod reader;
 mod real;
