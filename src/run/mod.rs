@@ -12,5 +12,6 @@ mod glsl;
 pub mod gpu;
 pub mod module;
 pub mod reader;
+mod wgsl;
 
 pub use module::Module;
