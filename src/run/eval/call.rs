@@ -4,7 +4,7 @@
 
 use super::code::{Class, LANES, Reg};
 use super::machine::Machine;
-use super::program::Program;
+use super::program::{FunctionCode, Program};
 use super::real::{Real, Shadow};
 use super::stage::{Notes, Precision, Settings, failure, mask, put, refused_for};
 use super::value::{Value, ValueType};
@@ -69,10 +69,16 @@ impl Program {
 
     fn call_in<R: Real>(&self, call: &Call, settings: &Settings) -> Result<Called, Failure> {
         let refuse = |message: String| Err(failure(FailureKind::Refused, message));
-        let found = self
-            .functions
-            .iter()
-            .position(|f| f.name == call.function && f.interface.is_none());
+        let named = |f: &&FunctionCode| f.name == call.function && f.interface.is_none();
+        // Functions of one name differ in their parameters.
+        let fits = |f: &FunctionCode| {
+            f.arguments.len() == call.arguments.len()
+                && f.arguments.iter().zip(&call.arguments).all(|(argument, words)| {
+                    words.len() == argument.regs.len() || words.is_empty() && argument.pointer
+                })
+        };
+        let found = self.functions.iter().position(|f| named(&f) && fits(f));
+        let found = found.or_else(|| self.functions.iter().position(|f| named(&f)));
         let Some(number) = found else {
             return refuse(format!("there is no function `{}`", call.function));
         };

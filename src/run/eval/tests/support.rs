@@ -1,25 +1,13 @@
 //! Modules from WGSL, and short ways to call their functions.
 
-use std::sync::Arc;
-
-use naga::valid::{Capabilities, ValidationFlags, Validator};
-
 use super::super::{Call, Called, Program, Settings};
 use crate::run::Module;
-use crate::source::Files;
+use crate::source::Source;
+use crate::Options;
 
-/// A module as naga reads it; blocks are laid out by WGSL's rules, which naga has right.
 pub fn module(text: &str) -> Module {
-    let ir = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| {
-        panic!("{}", error.emit_to_string(text));
-    });
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
-    let info = validator.validate(&ir).unwrap_or_else(|error| {
-        panic!("{}", error.emit_to_string(text));
-    });
-    let mut files = Files::default();
-    files.add("test.wgsl", Arc::from(text));
-    Module { ir, info, blocks: Vec::new(), files, bases: vec![0] }
+    let source = Source::new("test.wgsl", text);
+    Module::new(&source, &Options::default()).unwrap_or_else(|found| panic!("{found:?}"))
 }
 
 pub fn program(text: &str) -> Program {
