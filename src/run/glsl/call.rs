@@ -91,6 +91,12 @@ impl<'a> Body<'_, 'a> {
         e: &Expr<'a>,
         for_effect: bool,
     ) -> R<Option<Val>> {
+        if let ("nonuniformEXT", [inner]) = (name, arguments) {
+            return self.value(inner).map(Some);
+        }
+        if name == "debugPrintfEXT" {
+            return Ok(Some(Val { expr: self.u32(0), ty: Ty::Void }));
+        }
         if let Some(value) = self.texture_call(name, arguments, e)? {
             return Ok(Some(value));
         }
@@ -121,7 +127,6 @@ impl<'a> Body<'_, 'a> {
     fn pair(&mut self, name: Name<'a>, texture: &Expr<'a>, sampler: &Expr<'a>) -> R<Chosen> {
         let (texture, sampler) = (self.chosen(texture)?, self.chosen(sampler)?);
         self.span = name.span;
-        let (texture, sampler) = (self.single(&texture)?, self.single(&sampler)?);
         let Some(Ty::Opaque(opaque)) = super::types::builtin(name.text) else {
             return self.refuse(format!("`{}` is no sampler", name.text));
         };
@@ -136,17 +141,7 @@ impl<'a> Body<'_, 'a> {
                     });
             }
         }
-        Ok(Chosen::Pair(HandlePair { opaque, image: texture.image, sampler: sampler.sampler }))
-    }
-
-    fn single(&mut self, chosen: &Chosen) -> R<HandlePair> {
-        match chosen {
-            Chosen::Pair(pair) => Ok(pair.clone()),
-            Chosen::At(Way { text, dynamic: None }, _) => self.handle(text),
-            Chosen::At(Way { dynamic: Some(_), .. }, _) => {
-                self.refuse("a handle is chosen with a variable index here")
-            }
-        }
+        Ok(Chosen::Joined(opaque, Box::new([texture, sampler])))
     }
 
     /// The handle an expression names.
@@ -185,7 +180,7 @@ impl<'a> Body<'_, 'a> {
                 Operand::Value(value) => value.ty.clone(),
                 Operand::Place(place) => place.ty.clone(),
                 Operand::Handle(Chosen::At(_, ty)) => ty.clone(),
-                Operand::Handle(Chosen::Pair(pair)) => Ty::Opaque(pair.opaque.clone()),
+                Operand::Handle(Chosen::Joined(opaque, _)) => Ty::Opaque(opaque.clone()),
                 Operand::Blocks(..) => Ty::Void,
             });
             // A value is read when its turn comes: what later arguments change comes later.
@@ -308,24 +303,18 @@ impl<'a> Body<'_, 'a> {
         returns: &Ty,
     ) -> R<Val> {
         let chosen = arguments.iter().find_map(|argument| match argument {
-            Argument::Handles(_, chosen @ Chosen::At(Way { dynamic: Some(_), .. }, _), _) => {
-                Some(chosen.clone())
-            }
+            Argument::Handles(_, chosen, _) if is_variable(chosen) => Some(chosen.clone()),
             _ => None,
         });
         let value = match chosen {
             None => self.emit_with(function, &arguments, returns, None)?,
-            Some(Chosen::At(way, Ty::Opaque(opaque))) => {
+            Some(chosen @ (Chosen::At(_, Ty::Opaque(_)) | Chosen::Joined(..))) => {
                 let several = arguments.iter().filter(|argument| {
-                    matches!(
-                        argument,
-                        Argument::Handles(_, Chosen::At(Way { dynamic: Some(_), .. }, _), _)
-                    )
+                    matches!(argument, Argument::Handles(_, chosen, _) if is_variable(chosen))
                 });
                 if several.count() > 1 {
                     return self.refuse("two handles are chosen with variable indices in one call");
                 }
-                let chosen = Chosen::At(way, Ty::Opaque(opaque));
                 self.with_handle(&chosen, returns, |this, pair| {
                     this.emit_with(function, &arguments, returns, Some(pair))
                 })?
@@ -358,9 +347,12 @@ impl<'a> Body<'_, 'a> {
                 Argument::Handles(rest, chosen, ty) => {
                     flat.extend(rest.as_ref().map(|rest| rest.expr));
                     let pairs: Vec<HandlePair> = match (chosen, pair) {
-                        (Chosen::Pair(pair), _) => vec![pair.clone()],
-                        (Chosen::At(Way { dynamic: Some(_), .. }, _), Some(pair)) => {
-                            vec![pair.clone()]
+                        (
+                            Chosen::Joined(..) | Chosen::At(Way { dynamic: Some(_), .. }, _),
+                            Some(pair),
+                        ) => vec![pair.clone()],
+                        (Chosen::Joined(..), None) => {
+                            return self.refuse("a handle is chosen in two ways at once");
                         }
                         (Chosen::At(way, _), _) => {
                             let all = ways(ty).into_iter();
@@ -388,6 +380,14 @@ impl<'a> Body<'_, 'a> {
             // A value that nobody can use: `void` goes nowhere.
             None => Ok(Val { expr: self.u32(0), ty: Ty::Void }),
         }
+    }
+}
+
+/// Whether which handle it is shows only when the shader runs, or it is joined of two.
+fn is_variable(chosen: &Chosen) -> bool {
+    match chosen {
+        Chosen::At(way, _) => way.dynamic.is_some(),
+        Chosen::Joined(..) => true,
     }
 }
 

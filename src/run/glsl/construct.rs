@@ -45,6 +45,9 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn listed(&mut self, items: &[Expr<'a>], ty: &Ty, whole: &Expr<'a>) -> R<Val> {
+        if items.is_empty() {
+            return self.zero(ty); // GL_EXT_null_initializer
+        }
         let wanted: Vec<Ty> = match ty {
             Ty::Struct(s) => carried(s).map(|field| field.ty.clone()).collect(),
             other => match other.indexed() {

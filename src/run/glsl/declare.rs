@@ -12,6 +12,11 @@ use crate::source::Span;
 /// Structures may be declared inside each other this deep.
 const DEEPEST_STRUCTURE: u32 = 16;
 
+/// Whether a qualifier may stand alone: `layout(…) in;`.
+fn is_alone(word: &str) -> bool {
+    matches!(word, "in" | "out" | "uniform" | "buffer")
+}
+
 /// Whether a word stands before types.
 pub fn is_qualifier(word: &str) -> bool {
     matches!(word, "uniform" | "buffer" | "const" | "layout" | "subroutine")
@@ -206,7 +211,7 @@ impl<'a> Parser<'a, '_> {
         let mut qualifiers = Qualifiers::default();
         while self.token().kind == Kind::Name {
             let word = self.token().text;
-            if !is_qualifier(word) && !word.starts_with("spirv_") {
+            if !self.stands_qualifier() {
                 break;
             }
             qualifiers.any = true;
@@ -249,6 +254,16 @@ impl<'a> Parser<'a, '_> {
             }
         }
         Ok(qualifiers)
+    }
+
+    /// Whether a qualifier stands here: in old versions some are names, as `sample` is.
+    pub fn stands_qualifier(&self) -> bool {
+        let word = self.token().text;
+        if !is_qualifier(word) && !word.starts_with("spirv_") {
+            return false;
+        }
+        let next = self.ahead(1);
+        next.kind == Kind::Name || next.is("(") || next.is("{") || (next.is(";") && is_alone(word))
     }
 
     /// `(…)`, if it stands here.

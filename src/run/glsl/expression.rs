@@ -150,20 +150,25 @@ impl<'a> Body<'_, 'a> {
             None => {}
         }
         let known = self.cx.global_names.get(name).copied();
+        match self.cx.language_constant(name) {
+            Some(Const::List(items)) if known.is_none() => {
+                let parts: Vec<_> =
+                    items.iter().filter_map(|c| self.value_of(c)).map(|v| v.expr).collect();
+                return self.compose(&Ty::Vector(Kind::Uint, 3), parts).map(Operand::Value);
+            }
+            Some(value) if known.is_none() => {
+                if let Some(value) = self.value_of(&value) {
+                    return Ok(Operand::Value(value));
+                }
+            }
+            _ => {}
+        }
         let known = match known {
             Some(known) => Some(known),
             None => self.cx.predeclared(name, self.span)?,
         };
         if let Some(known) = known {
             return self.global(known, name);
-        }
-        if let Some(Const::List(items)) = self.cx.language_constant(name) {
-            let parts: Vec<_> =
-                items.iter().filter_map(|c| self.value_of(c)).map(|v| v.expr).collect();
-            return self.compose(&Ty::Vector(Kind::Uint, 3), parts).map(Operand::Value);
-        }
-        if let Some(value) = self.cx.language_constant(name).and_then(|c| self.value_of(&c)) {
-            return Ok(Operand::Value(value));
         }
         let mut why = refuse(self.span, format!("there is no variable `{name}`"));
         why.code = "unknown-name";
@@ -263,9 +268,15 @@ impl<'a> Body<'_, 'a> {
             Operand::Handle(_) => self.refuse("a handle has no elements"),
             Operand::Blocks(memory, mut taken) => {
                 let dims = self.cx.memories[memory].dims.clone();
-                let Index::Fixed(i) = index else {
-                    return Err(refuse(self.span, "an array of blocks is indexed with a variable")
-                        .help("each element is a buffer of its own: index it with a constant"));
+                let i = match index {
+                    Index::Fixed(i) => i,
+                    Index::Dynamic(i) if dims.len() == 1 => {
+                        return self.one_of_blocks(memory, i).map(Operand::Place);
+                    }
+                    Index::Dynamic(_) => {
+                        let message = "an array of arrays of blocks is indexed with a variable";
+                        return self.refuse(message);
+                    }
                 };
                 if i >= dims[taken.len()] {
                     return self
@@ -279,6 +290,37 @@ impl<'a> Body<'_, 'a> {
                 self.memory(memory, element as usize).map(Operand::Place)
             }
         }
+    }
+
+    /// A copy of the block that a variable index chooses: each is a buffer of its own.
+    fn one_of_blocks(&mut self, memory: usize, index: naga::Handle<Expression>) -> R<Place> {
+        let chosen = self.cx.memories[memory].clone();
+        let ty = Ty::Struct(chosen.structure.clone());
+        let runtime = chosen.structure.members.iter().any(|f| matches!(f.ty, Ty::Array(_, None)));
+        if chosen.writable || runtime {
+            return Err(refuse(self.span, "an array of buffers is indexed with a variable")
+                .help("each element is a buffer of its own: index it with a constant"));
+        }
+        let local = self.local("", &ty)?;
+        let copy = self.local_place(local, &ty);
+        let kind = naga::ScalarKind::Uint;
+        let selector = self.add(Expression::As { expr: index, kind, convert: Some(4) });
+        let count = chosen.variables.len();
+        let mut cases = Vec::new();
+        for i in 0..count {
+            let (body, ()) = self.nested(|this| {
+                let block = this.memory(memory, i)?;
+                let value = this.load(&block)?;
+                this.store(&copy, &value)
+            })?;
+            let value = match i + 1 == count {
+                true => naga::SwitchValue::Default,
+                false => naga::SwitchValue::U32(i as u32),
+            };
+            cases.push(naga::SwitchCase { value, body, fall_through: false });
+        }
+        self.statement(naga::Statement::Switch { selector, cases });
+        Ok(Place { writable: false, ..copy })
     }
 
     /// An element of a value.

@@ -415,6 +415,7 @@ impl<'a> Lowerer<'a> {
     pub fn settled(value: Const, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
         match ty {
             Ty::Scalar(Kind::Float) if !matches!(init.kind, ExprKind::Number(_)) => None,
+            Ty::Scalar(Kind::Double | Kind::Half) => None,
             Ty::Scalar(kind) => value.to(*kind),
             Ty::Vector(Kind::Int | Kind::Uint, _) | Ty::Array(..) => Some(value),
             _ => None,

@@ -31,6 +31,7 @@ impl<'a> Body<'_, 'a> {
                 self.barrier(Barrier::WORK_GROUP, false)
             }
             "subgroupBarrier" => self.barrier(Barrier::SUB_GROUP, true),
+            "subpassLoad" => self.subpass(arguments, e).map(Some),
             "imageLoad" | "imageStore" => self.image_access(name, arguments, e).map(Some),
             "EmitVertex"
             | "EndPrimitive"
@@ -38,7 +39,6 @@ impl<'a> Body<'_, 'a> {
             | "interpolateAtCentroid"
             | "interpolateAtSample"
             | "interpolateAtOffset"
-            | "subpassLoad"
             | "traceRayEXT"
             | "textureQueryLod"
             | "atomicCounterIncrement"
@@ -113,6 +113,39 @@ impl<'a> Body<'_, 'a> {
                 value: value.expr,
             });
             Ok(this.nothing())
+        })
+    }
+
+    /// The texel of an input attachment where the fragment is (GL_KHR_vulkan_glsl).
+    fn subpass(&mut self, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
+        let Some((first, rest)) = arguments.split_first() else {
+            return self.refuse("`subpassLoad` is given nothing");
+        };
+        let chosen = self.chosen(first)?;
+        let mut sample = self.number(Kind::Int, 0.0);
+        if let Some(given) = rest.first() {
+            sample = self.value(given)?;
+        }
+        self.span = e.span;
+        let Chosen::At(_, Ty::Opaque(Opaque::Texture(image))) = chosen.clone() else {
+            return self.refuse("`subpassLoad` takes an input attachment");
+        };
+        let place = self.named("gl_FragCoord")?;
+        let place = self.value_of_operand(place)?;
+        let place = self.select(&place, &[0, 1])?;
+        let texel = self.convert(&place, &Ty::Vector(Kind::Int, 2))?;
+        let ty = Ty::Vector(image.kind, 4);
+        self.with_handle(&chosen, &ty, |this, pair| {
+            let source = this.source(pair.image)?;
+            let (sample, level) = match image.multi {
+                true => (Some(sample.expr), None),
+                false => (None, Some(sample.expr)),
+            };
+            let coordinate = texel.expr;
+            let array_index = None;
+            let load =
+                Expression::ImageLoad { image: source, coordinate, array_index, sample, level };
+            Ok(Val { expr: this.add(load), ty: ty.clone() })
         })
     }
 

@@ -85,7 +85,7 @@ impl<'a> Body<'_, 'a> {
                 let kind = pair[0].ty.kind().unwrap_or(Kind::Float);
                 let eta = self.coerce(eta, &Ty::Scalar(kind))?;
                 if matches!(pair[0].ty, Ty::Scalar(_)) {
-                    return self.refuse("`refract` of scalars cannot run");
+                    return self.refract_scalar(&pair[0], &pair[1], &eta).map(Some);
                 }
                 let expr = self.math(M::Refract, &[pair[0].expr, pair[1].expr, eta.expr]);
                 Ok(Some(Val { expr, ty: pair[0].ty.clone() }))
@@ -116,6 +116,27 @@ impl<'a> Body<'_, 'a> {
             }
             _ => Ok(None),
         }
+    }
+
+    /// GLSL 4.60 §8.5: k = 1 - eta² (1 - (N·I)²); 0 if k < 0, else eta I - (eta N·I + √k) N.
+    fn refract_scalar(&mut self, i: &Val, n: &Val, eta: &Val) -> R<Val> {
+        let kind = i.ty.kind().unwrap_or(Kind::Float);
+        let (one, zero) = (self.number(kind, 1.0).expr, self.number(kind, 0.0));
+        let dot = self.binary(B::Multiply, n.expr, i.expr);
+        let square = self.binary(B::Multiply, dot, dot);
+        let rest = self.binary(B::Subtract, one, square);
+        let eta2 = self.binary(B::Multiply, eta.expr, eta.expr);
+        let lost = self.binary(B::Multiply, eta2, rest);
+        let k = self.binary(B::Subtract, one, lost);
+        let bends = self.binary(B::GreaterEqual, k, zero.expr);
+        let inside = self.math(M::Max, &[k, zero.expr]);
+        let root = self.math(M::Sqrt, &[inside]);
+        let along = self.binary(B::Multiply, eta.expr, dot);
+        let along = self.binary(B::Add, along, root);
+        let along = self.binary(B::Multiply, along, n.expr);
+        let through = self.binary(B::Multiply, eta.expr, i.expr);
+        let bent = self.binary(B::Subtract, through, along);
+        self.select_value(bends, &Val { expr: bent, ty: i.ty.clone() }, &zero)
     }
 
     fn dot(&mut self, a: &Val, b: &Val) -> R<Val> {

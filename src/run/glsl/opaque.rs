@@ -3,6 +3,8 @@
 //! `uniform sampler2D t` is a texture and a sampler; arrays of them, and those in structures, are
 //! one of each an element. A handle is found by its way from a name: `materials[2].diffuse`.
 
+use std::num::NonZeroU32;
+
 use naga::{Expression, Handle, ImageClass, StorageAccess, StorageFormat, TypeInner};
 
 use super::ast::Qualifiers;
@@ -16,6 +18,15 @@ use crate::source::Span;
 /// Handles of one shader at most: each element of an array is one.
 const MOST_HANDLES: usize = 4096;
 
+/// Arrays of more handles than this are bound as one, and not chosen from by a `switch`.
+const MOST_SWITCHED: u32 = 64;
+
+/// An array of handles that is bound as one: its size, if it has one.
+#[derive(Clone, Copy)]
+struct Many {
+    len: Option<u32>,
+}
+
 /// What stands for a handle in the module.
 #[derive(Clone, Debug)]
 pub struct HandlePair {
@@ -27,6 +38,9 @@ pub struct HandlePair {
 #[derive(Clone, Copy, Debug)]
 pub enum Source {
     Global(Handle<naga::GlobalVariable>),
+    /// All handles of an array that naga binds as one.
+    Array(Handle<naga::GlobalVariable>),
+    Element(Handle<naga::GlobalVariable>, Handle<Expression>),
     Argument(u32),
 }
 
@@ -36,7 +50,7 @@ pub enum Chosen {
     /// By its way.
     At(Way, Ty),
     /// `sampler2D(texture, sampler)`.
-    Pair(HandlePair),
+    Joined(Opaque, Box<[Chosen; 2]>),
 }
 
 /// Every handle in a type, by its way from a value of it.
@@ -79,8 +93,18 @@ impl<'a> Lowerer<'a> {
         qualifiers: &Qualifiers<'a>,
         span: Span,
     ) -> R<()> {
-        if let Ty::Array(element, None) = ty {
-            if element.has_opaque() {
+        if let Ty::Array(element, len) = ty {
+            let bound = len.is_none_or(|len| len > MOST_SWITCHED);
+            if let (Ty::Opaque(opaque), true) = (&**element, bound) {
+                let group = self.layout_number(qualifiers, "set").unwrap_or(0);
+                let wanted = self.layout_number(qualifiers, "binding");
+                let at = self.bindings.claim(group, wanted);
+                let (opaque, many) = (opaque.clone(), Some(Many { len: *len }));
+                let pair = self.declare_handle(name, opaque, qualifiers, at, span, many)?;
+                self.handles.insert(format!("{name}[?]"), pair);
+                return Ok(());
+            }
+            if len.is_none() && element.has_opaque() {
                 return Err(refuse(
                     span,
                     format!("`{name}` is an array of handles without a size"),
@@ -97,7 +121,7 @@ impl<'a> Lowerer<'a> {
         for (way, opaque) in found {
             let path = format!("{name}{way}");
             let place = self.bindings.claim(group, binding.take());
-            let pair = self.declare_handle(&path, opaque, qualifiers, place, span)?;
+            let pair = self.declare_handle(&path, opaque, qualifiers, place, span, None)?;
             self.handles.insert(path, pair);
         }
         Ok(())
@@ -110,11 +134,22 @@ impl<'a> Lowerer<'a> {
         qualifiers: &Qualifiers<'a>,
         at: (u32, u32),
         span: Span,
+        many: Option<Many>,
     ) -> R<HandlePair> {
         let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
         let global = |this: &mut Self, kind: HandleKind, at: (u32, u32), inner: TypeInner| {
             let naga_span = this.naga_span(span);
-            let ty = this.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED);
+            let mut ty =
+                this.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED);
+            if let Some(Many { len }) = many {
+                let size = match len.and_then(NonZeroU32::new) {
+                    Some(len) => naga::ArraySize::Constant(len),
+                    None => naga::ArraySize::Dynamic,
+                };
+                let array = TypeInner::BindingArray { base: ty, size };
+                let array = naga::Type { name: None, inner: array };
+                ty = this.ir.types.insert(array, naga::Span::UNDEFINED);
+            }
             let name = match (kind, &opaque) {
                 (HandleKind::Sampler, Opaque::Combined(_)) => format!("{path}_sampler"),
                 _ => path.to_string(),
@@ -131,7 +166,10 @@ impl<'a> Lowerer<'a> {
             let path = path.to_string();
             let (group, binding) = at;
             this.module_handles.push(ModuleHandle { path, group, binding, kind, variable });
-            Source::Global(variable)
+            match many {
+                Some(_) => Source::Array(variable),
+                None => Source::Global(variable),
+            }
         };
         match &opaque {
             Opaque::Combined(image) => {
@@ -206,16 +244,28 @@ impl Body<'_, '_> {
     /// The handle of a way without a variable index.
     pub fn handle(&self, way: &str) -> R<HandlePair> {
         let found = self.handles.get(way).or_else(|| self.cx.handles.get(way));
-        match found {
-            Some(pair) => Ok(pair.clone()),
+        match found.cloned() {
+            Some(pair) => Ok(pair),
             None => self
                 .refuse(format!("`{}` is no handle of this shader", way.trim_start_matches('#'))),
         }
     }
 
+    /// The array that naga binds as one in which a way ends: `textures[3]`.
+    fn bound_array(&self, way: &str) -> Option<(HandlePair, u32)> {
+        let (name, index) = way.strip_suffix(']')?.rsplit_once('[')?;
+        let array = self.cx.handles.get(&format!("{name}[?]"))?.clone();
+        Some((array, index.parse().ok()?))
+    }
+
     pub fn source(&mut self, source: Option<Source>) -> R<Handle<Expression>> {
         match source {
             Some(Source::Global(global)) => Ok(self.global_pointer(global)),
+            Some(Source::Array(_)) => self.refuse("an array of handles is used without an index"),
+            Some(Source::Element(global, index)) => {
+                let base = self.global_pointer(global);
+                Ok(self.add(Expression::Access { base, index }))
+            }
             Some(Source::Argument(index)) => Ok(self.add(Expression::FunctionArgument(index))),
             None => self.refuse("a texture and a sampler are wanted here, together"),
         }
@@ -228,17 +278,43 @@ impl Body<'_, '_> {
         ty: &Ty,
         mut with: impl FnMut(&mut Self, &HandlePair) -> R<Val>,
     ) -> R<Val> {
+        self.chosen_handle(chosen, ty, &mut with)
+    }
+
+    fn chosen_handle(
+        &mut self,
+        chosen: &Chosen,
+        ty: &Ty,
+        with: &mut dyn FnMut(&mut Self, &HandlePair) -> R<Val>,
+    ) -> R<Val> {
         let (way, index, len) = match chosen {
-            Chosen::Pair(pair) => return with(self, pair),
+            Chosen::Joined(opaque, parts) => {
+                let [texture, sampler] = &**parts;
+                return self.chosen_handle(texture, ty, &mut |this, texture| {
+                    let image = texture.image;
+                    this.chosen_handle(sampler, ty, &mut |this, sampler| {
+                        let (opaque, sampler) = (opaque.clone(), sampler.sampler);
+                        with(this, &HandlePair { opaque, image, sampler })
+                    })
+                });
+            }
             Chosen::At(Way { text, dynamic: None }, _) => {
-                let pair = self.handle(text)?;
+                let pair = match self.bound_array(text) {
+                    Some((array, index)) => {
+                        let index = self.u32(index);
+                        element(&array, index)
+                    }
+                    None => self.handle(text)?,
+                };
                 return with(self, &pair);
             }
-            Chosen::At(Way { text, dynamic: Some((index, len)) }, _) => (text, *index, *len),
+            Chosen::At(Way { text, dynamic: Some((index, len)) }, _) => {
+                if let Some(array) = self.cx.handles.get(text).cloned() {
+                    return with(self, &element(&array, *index));
+                }
+                (text, *index, *len)
+            }
         };
-        if len > 64 {
-            return self.refuse("more than 64 handles are chosen from with a variable index");
-        }
         let local = if *ty == Ty::Void { None } else { Some(self.local("", ty)?) };
         let kind = naga::ScalarKind::Uint;
         let selector = self.add(Expression::As { expr: index, kind, convert: Some(4) });
@@ -266,6 +342,15 @@ impl Body<'_, '_> {
             None => Ok(Val { expr: selector, ty: Ty::Void }),
         }
     }
+}
+
+fn element(array: &HandlePair, index: Handle<Expression>) -> HandlePair {
+    let of = |source: Option<Source>| match source {
+        Some(Source::Array(global)) => Some(Source::Element(global, index)),
+        other => other,
+    };
+    let (image, sampler) = (of(array.image), of(array.sampler));
+    HandlePair { opaque: array.opaque.clone(), image, sampler }
 }
 
 fn storage_format(name: &str) -> Option<StorageFormat> {

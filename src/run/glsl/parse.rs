@@ -311,6 +311,11 @@ impl<'a, 't> Parser<'a, 't> {
                 inner.span = self.since(token.span);
                 Ok(inner)
             }
+            // Text for a debugger: it has no value.
+            Kind::Text => {
+                self.bump();
+                self.expr(ExprKind::Number("0"), token.span, 0)
+            }
             _ if token.is("{") => {
                 self.bump();
                 let items = self.deeper(|this| this.list("}"))?;
@@ -522,7 +527,7 @@ impl<'a, 't> Parser<'a, 't> {
         if token.kind != Kind::Name {
             return false;
         }
-        if super::declare::is_qualifier(token.text) || token.is("struct") {
+        if self.stands_qualifier() || token.is("struct") {
             return true;
         }
         if builtin(token.text).is_none() && !self.structures.contains(token.text) {

@@ -209,9 +209,10 @@ impl Body<'_, '_> {
             (Some(Way { text, dynamic }), Index::Fixed(i)) => {
                 Some(Way { text: format!("{text}[{i}]"), dynamic: *dynamic })
             }
-            (Some(Way { text, dynamic: None }), Index::Dynamic(index)) => {
-                Some(Way { text: format!("{text}[?]"), dynamic: len.map(|len| (index, len)) })
-            }
+            (Some(Way { text, dynamic: None }), Index::Dynamic(index)) => Some(Way {
+                text: format!("{text}[?]"),
+                dynamic: Some((index, len.unwrap_or(u32::MAX))),
+            }),
             // Two variable indices on the way to a handle: it is not found by it any more.
             (Some(Way { dynamic: Some(_), .. }), Index::Dynamic(_)) => None,
         };

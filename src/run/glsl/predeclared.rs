@@ -13,13 +13,13 @@ use crate::source::{Span, Stage};
 /// A variable of the language's: name, stage, whether it is an output, its type, naga's counterpart.
 type Row = (&'static str, Stage, bool, Ty, BuiltIn);
 
-fn rows() -> [Row; 33] {
+fn rows() -> Vec<Row> {
     use BuiltIn as B;
     use Stage::{Compute, Fragment, Vertex};
     let vec = |size| Ty::Vector(Kind::Float, size);
     let uvec3 = || Ty::Vector(Kind::Uint, 3);
     let position = B::Position { invariant: false };
-    [
+    vec![
         ("gl_VertexID", Vertex, false, Ty::INT, B::VertexIndex),
         ("gl_VertexIndex", Vertex, false, Ty::INT, B::VertexIndex),
         ("gl_InstanceID", Vertex, false, Ty::INT, B::InstanceIndex),
@@ -50,6 +50,9 @@ fn rows() -> [Row; 33] {
         ("gl_WorkGroupID", Compute, false, uvec3(), B::WorkGroupId),
         ("gl_NumWorkGroups", Compute, false, uvec3(), B::NumWorkGroups),
         ("gl_LocalInvocationIndex", Compute, false, Ty::UINT, B::LocalInvocationIndex),
+        ("gl_NumSubgroups", Compute, false, Ty::UINT, B::NumSubgroups),
+        ("gl_BaryCoordEXT", Fragment, false, vec(3), B::Barycentric { perspective: true }),
+        ("gl_BaryCoordNoPerspEXT", Fragment, false, vec(3), B::Barycentric { perspective: false }),
         ("gl_SubgroupInvocationID", Compute, false, Ty::UINT, B::SubgroupInvocationId),
         ("gl_SubgroupSize", Compute, false, Ty::UINT, B::SubgroupSize),
         ("gl_SubgroupID", Compute, false, Ty::UINT, B::SubgroupId),

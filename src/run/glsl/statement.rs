@@ -9,6 +9,9 @@ use super::construct::sized_by;
 use super::types::Ty;
 use super::{Lowerer, R};
 
+/// Statements that cases which go on with the next one may repeat in one `switch`.
+const MOST_REPEATED: usize = 1000;
+
 impl<'a> Body<'_, 'a> {
     pub fn statements(&mut self, statements: &[Statement<'a>]) -> R<()> {
         for statement in statements {
@@ -162,41 +165,46 @@ impl<'a> Body<'_, 'a> {
             Ty::UINT => true,
             _ => return self.refuse(format!("`switch` over a `{}`", selector.ty)),
         };
+        let groups = match groups(statements) {
+            Ok(groups) => groups,
+            Err(first) => {
+                self.span = first;
+                return self.refuse("a statement before the first `case` is never run");
+            }
+        };
         let mut cases: Vec<SwitchCase> = Vec::new();
         let mut has_default = false;
+        let mut repeated = 0;
         self.scoped(|this| {
-            let mut rest = statements;
-            while let Some(first) = rest.first() {
-                let labels = rest.iter().take_while(|s| is_label(s)).count();
-                if labels == 0 {
-                    this.span = first.span;
-                    return this.refuse("a statement before the first `case` is never run");
-                }
-                let (own, after) = rest.split_at(labels);
-                let length = after.iter().take_while(|s| !is_label(s)).count();
-                let (inside, after) = after.split_at(length);
-                rest = after;
-                for label in own {
+            for (index, (labels, _)) in groups.iter().enumerate() {
+                for label in *labels {
                     let value = this.label(label, unsigned)?;
                     has_default |= value == SwitchValue::Default;
                     cases.push(SwitchCase { value, body: naga::Block::new(), fall_through: true });
                 }
-                let (body, ends) = this.nested(|this| {
-                    this.statements(inside)?;
-                    Ok(this.dead)
+                // naga 30.0.1 writes wrong SPIR-V where a case that does something goes on with
+                // the next one: what it goes on with is written out again.
+                let (body, ()) = this.nested(|this| {
+                    for (later, (_, inside)) in groups[index..].iter().enumerate() {
+                        repeated += if later > 0 { inside.len() } else { 0 };
+                        if repeated > MOST_REPEATED {
+                            return this.refuse("too many cases go on with the next one");
+                        }
+                        this.statements(inside)?;
+                        if this.dead {
+                            break;
+                        }
+                    }
+                    Ok(())
                 })?;
                 let last = cases.last_mut().expect("a group has a label");
-                last.body = body;
-                last.fall_through = !ends;
+                (last.body, last.fall_through) = (body, false);
             }
             Ok(())
         })?;
         if !has_default {
             let value = SwitchValue::Default;
             cases.push(SwitchCase { value, body: naga::Block::new(), fall_through: false });
-        }
-        if let Some(last) = cases.last_mut() {
-            last.fall_through = false;
         }
         self.span = whole.span;
         self.statement(S::Switch { selector: selector.expr, cases });
@@ -292,6 +300,23 @@ impl<'a> Body<'_, 'a> {
             None => self.cx.constant_named(name),
         })
     }
+}
+
+/// Labels and the statements after them; the place of a statement before the first label.
+fn groups<'s, 'a>(
+    mut rest: &'s [Statement<'a>],
+) -> Result<Vec<(&'s [Statement<'a>], &'s [Statement<'a>])>, crate::Span> {
+    let mut groups = Vec::new();
+    while let Some(first) = rest.first() {
+        let (labels, after) = rest.split_at(rest.iter().take_while(|s| is_label(s)).count());
+        if labels.is_empty() {
+            return Err(first.span);
+        }
+        let (inside, after) = after.split_at(after.iter().take_while(|s| !is_label(s)).count());
+        groups.push((labels, inside));
+        rest = after;
+    }
+    Ok(groups)
 }
 
 fn is_label(statement: &Statement<'_>) -> bool {

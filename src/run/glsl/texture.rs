@@ -108,7 +108,7 @@ impl<'a> Body<'_, 'a> {
         let image = match &chosen {
             Chosen::At(_, Ty::Opaque(opaque)) => opaque.clone(),
             Chosen::At(_, ty) => return self.refuse(format!("`{name}` does not take a `{ty}`")),
-            Chosen::Pair(pair) => pair.opaque.clone(),
+            Chosen::Joined(opaque, _) => opaque.clone(),
         };
         let (Opaque::Combined(image) | Opaque::Texture(image) | Opaque::Storage(image)) = image
         else {

@@ -430,6 +430,12 @@ fn opaque(name: &str) -> Opaque {
     match rest {
         "sampler" => return Opaque::Sampler { comparison: false },
         "samplerShadow" => return Opaque::Sampler { comparison: true },
+        // An input attachment is a texture that is read where the fragment is.
+        "subpassInput" | "subpassInputMS" => {
+            let (multi, dim) = (rest == "subpassInputMS", naga::ImageDimension::D2);
+            let (arrayed, depth, rectangle) = (false, false, false);
+            return Opaque::Texture(Image { dim, arrayed, multi, depth, kind, rectangle });
+        }
         _ => {}
     }
     let foreign = || Opaque::Foreign(name.to_string());

@@ -1,1 +1,0 @@
-//! Our own evaluator of naga IR: many invocations at a time, f32 and f64.

@@ -1,0 +1,520 @@
+//! The flat form of a shader: instructions over columns of lanes.
+//!
+//! Written by [`compile`](super::compile), tidied by [`tidy`](super::tidy), run
+//! by [`machine`](super::machine). Every register holds one scalar of all lanes.
+
+/// Invocations that run at a time; one bit of a mask each.
+pub(super) const LANES: usize = 64;
+
+/// The file a scalar lives in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Class {
+    /// `f32` and `f16`: in the precision of the run.
+    Real,
+    /// Integers of up to 32 bits and bools, which are 0 or 1.
+    Word,
+    /// The bits of `f64`, `i64` and `u64`.
+    Wide,
+}
+
+/// What may write a register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Region {
+    /// Nobody: filled once.
+    Constant,
+    /// Stores, lane by lane.
+    Variable,
+    /// One instruction.
+    Temporary,
+}
+
+/// A register: class, region and number packed in a word until the program is linked,
+/// a plain number of its class's file from then on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct Reg(pub u32);
+
+impl Reg {
+    /// Registers a class and region can have.
+    pub const MOST: u32 = 1 << 28;
+
+    pub fn new(class: Class, region: Region, number: u32) -> Reg {
+        Reg((class as u32) << 30 | (region as u32) << 28 | number)
+    }
+
+    pub fn class(self) -> Class {
+        match self.0 >> 30 {
+            0 => Class::Real,
+            1 => Class::Word,
+            _ => Class::Wide,
+        }
+    }
+
+    pub fn region(self) -> Region {
+        match self.0 >> 28 & 3 {
+            0 => Region::Constant,
+            1 => Region::Variable,
+            _ => Region::Temporary,
+        }
+    }
+
+    pub fn number(self) -> u32 {
+        self.0 & (Reg::MOST - 1)
+    }
+}
+
+/// One instruction: `head` registers it reads once, then `groups` times the operands
+/// of its [`Shape`], all in the program's pool from `at`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inst {
+    pub op: Op,
+    pub head: u8,
+    pub groups: u32,
+    pub at: u32,
+}
+
+/// The operands of one group, in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shape {
+    pub writes: usize,
+    pub reads: usize,
+    /// Numbers that are not registers.
+    pub plain: usize,
+}
+
+impl Shape {
+    pub fn len(self) -> usize {
+        self.writes + self.reads + self.plain
+    }
+}
+
+impl Inst {
+    /// Words of the pool it has.
+    pub fn operands(&self) -> usize {
+        usize::from(self.head) + self.groups as usize * self.op.shape().len()
+    }
+}
+
+/// Float operations of one operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum F1 {
+    Neg,
+    Abs,
+    Sign,
+    Floor,
+    Ceil,
+    Round,
+    Trunc,
+    Fract,
+    Saturate,
+    Radians,
+    Degrees,
+    Sqrt,
+    InverseSqrt,
+    Quantize,
+    Sin,
+    Cos,
+    Tan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Asin,
+    Acos,
+    Atan,
+    Asinh,
+    Acosh,
+    Atanh,
+    Exp,
+    Exp2,
+    Log,
+    Log2,
+    FrexpFract,
+}
+
+/// Float operations of two operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum F2 {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Rem,
+    Min,
+    Max,
+    Step,
+    Pow,
+    Atan2,
+}
+
+/// Float operations of three operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum F3 {
+    Fma,
+    Mix,
+    Clamp,
+    SmoothStep,
+}
+
+/// Comparisons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Cmp {
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+}
+
+/// Tests of one float.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Test {
+    IsNan,
+    IsInf,
+}
+
+/// Integer operations of one operand; `Sint` where the sign matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum I1 {
+    Neg,
+    Not,
+    /// Of a bool.
+    LogicalNot,
+    AbsSint,
+    SignSint,
+    TrailingZeros,
+    LeadingZeros,
+    Ones,
+    Reverse,
+    FirstTrailing,
+    FirstLeadingSint,
+    FirstLeadingUint,
+    /// Keeps the low 16 bits and extends their sign, or zeros.
+    Narrow16Sint,
+    Narrow16Uint,
+}
+
+/// Integer operations of two operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum I2 {
+    Add,
+    Sub,
+    Mul,
+    DivSint,
+    DivUint,
+    RemSint,
+    RemUint,
+    And,
+    Or,
+    Xor,
+    Shl,
+    ShrSint,
+    ShrUint,
+    MinSint,
+    MinUint,
+    MaxSint,
+    MaxUint,
+    Dot4Sint,
+    Dot4Uint,
+}
+
+/// Operations on the bits of a double.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum D2 {
+    Float(F2),
+    Int(I2),
+}
+
+/// Changes of type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Cast {
+    RealToSint,
+    RealToUint,
+    RealToBool,
+    SintToReal,
+    UintToReal,
+    WordToBool,
+    RealBits,
+    BitsReal,
+    RealToDouble,
+    DoubleToReal,
+    DoubleToSint,
+    DoubleToUint,
+    DoubleToSint64,
+    DoubleToUint64,
+    RealToSint64,
+    RealToUint64,
+    SintToWide,
+    UintToWide,
+    SintToDouble,
+    UintToDouble,
+    WideToWord,
+    WideToBool,
+    DoubleToBool,
+    Sint64ToReal,
+    Uint64ToReal,
+    Sint64ToDouble,
+    Uint64ToDouble,
+    /// An exponent as `frexp` splits it off.
+    Exponent,
+    /// To the nearest half, still a real.
+    RoundHalf,
+    /// The bits of a half.
+    HalfToBits,
+    /// The half that the lowest 16 bits of a word are.
+    LowHalf,
+    /// The half that the highest are.
+    HighHalf,
+}
+
+/// What stands in memory where a scalar is loaded from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Stored {
+    F32,
+    F16,
+    /// 32-bit integers.
+    B32,
+    I16,
+    U16,
+    /// A byte that is 0 or 1.
+    Bool,
+    /// 64-bit integers and doubles.
+    B64,
+}
+
+impl Stored {
+    pub const ALL: [Stored; 7] = [
+        Stored::F32,
+        Stored::F16,
+        Stored::B32,
+        Stored::I16,
+        Stored::U16,
+        Stored::Bool,
+        Stored::B64,
+    ];
+
+    /// Bytes it occupies.
+    pub fn width(self) -> usize {
+        match self {
+            Stored::Bool => 1,
+            Stored::F16 | Stored::I16 | Stored::U16 => 2,
+            Stored::F32 | Stored::B32 => 4,
+            Stored::B64 => 8,
+        }
+    }
+}
+
+/// How an atomic changes what is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Change {
+    Int(I2),
+    Exchange,
+    CompareExchange,
+}
+
+/// Along which side of a quad.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Axis {
+    X,
+    Y,
+    Width,
+}
+
+/// What an instruction does. The number of a memory access, a table or an
+/// instruction stands beside the name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Op {
+    Nop,
+    F1(F1),
+    F2(F2),
+    F3(F3),
+    FCmp(Cmp),
+    FTest(Test),
+    Ldexp,
+    /// Sum of products; the number of components, 1 to 4, stands beside it.
+    Dot(u8),
+    Length(u8),
+    Distance(u8),
+    Normalize(u8),
+    Cross,
+    I1(I1),
+    I2(I2),
+    CmpSint(Cmp),
+    CmpUint(Cmp),
+    ExtractSint,
+    ExtractUint,
+    Insert,
+    D1(F1),
+    DNeg,
+    DNot,
+    D2(D2),
+    D3(F3),
+    DCmp(Cmp),
+    DCmpSint(Cmp),
+    DCmpUint(Cmp),
+    DTest(Test),
+    DAbsSint,
+    DSignSint,
+    DDot(u8),
+    Cast(Cast),
+    /// Condition, accept, reject.
+    Select(Class),
+    Move(Class),
+    /// Of the active lanes.
+    Store(Class),
+    /// From a buffer: `[to | byte offset, stored]`.
+    Load(u32),
+    /// Into a buffer: `[from | byte offset, stored]`.
+    Save(u32),
+    /// From a variable at an index: `[to | its first register]`.
+    Gather(Class, u32),
+    /// Into a variable at an index.
+    Scatter(Class, u32),
+    /// `[old, exchanged | value, compare | offset, stored]`
+    Atomic(u32),
+    /// Elements a buffer holds of its runtime-sized array.
+    ArrayLength(u32),
+    /// `[r, g, b, a | image, x, y]`
+    Sample,
+    Texel,
+    /// `[width, height | image]`
+    ImageSize,
+    /// Fine differences; the other is coarse.
+    DerivativeFine(Axis),
+    DerivativeCoarse(Axis),
+    /// Reads the condition; where its else, or its end, is.
+    If(u32),
+    Else(u32),
+    EndIf(u32),
+    Loop,
+    Continuing(u32),
+    BreakIf,
+    Again(u32),
+    LoopEnd(u32),
+    Switch,
+    /// Reads the selector; the number of its table of values. Jumps by the next one's number.
+    Case(u32),
+    CaseSkip(u32),
+    CaseEnd,
+    SwitchEnd(u32),
+    Break,
+    Continue,
+    Return,
+    Kill,
+    Barrier,
+    Call(u32),
+    End,
+}
+
+impl Op {
+    /// What its groups of operands are.
+    pub fn shape(self) -> Shape {
+        let (writes, reads, plain) = match self {
+            Op::F1(_) | Op::FTest(_) | Op::I1(_) | Op::D1(_) | Op::DNeg | Op::DNot => (1, 1, 0),
+            Op::DTest(_) | Op::DAbsSint | Op::DSignSint | Op::Cast(_) => (1, 1, 0),
+            Op::Move(_) | Op::Store(_) => (1, 1, 0),
+            Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (1, 1, 0),
+            Op::F2(_) | Op::FCmp(_) | Op::Ldexp | Op::I2(_) => (1, 2, 0),
+            Op::CmpSint(_) | Op::CmpUint(_) | Op::D2(_) => (1, 2, 0),
+            Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) => (1, 2, 0),
+            Op::F3(_) | Op::D3(_) | Op::ExtractSint | Op::ExtractUint | Op::Select(_) => (1, 3, 0),
+            Op::Insert => (1, 4, 0),
+            Op::Dot(n) | Op::Distance(n) | Op::DDot(n) => (1, 2 * usize::from(n), 0),
+            Op::Length(n) => (1, usize::from(n), 0),
+            Op::Normalize(n) => (usize::from(n), usize::from(n), 0),
+            Op::Cross => (3, 6, 0),
+            Op::Load(_) => (1, 0, 2),
+            Op::Save(_) => (0, 1, 2),
+            Op::Gather(..) => (1, 1, 0),
+            Op::Scatter(..) => (0, 2, 0),
+            Op::Atomic(_) => (2, 2, 2),
+            Op::ArrayLength(_) => (1, 0, 0),
+            Op::Sample | Op::Texel => (4, 3, 0),
+            Op::ImageSize => (2, 1, 0),
+            Op::Nop
+            | Op::If(_)
+            | Op::Else(_)
+            | Op::EndIf(_)
+            | Op::Loop
+            | Op::Continuing(_)
+            | Op::BreakIf
+            | Op::Again(_)
+            | Op::LoopEnd(_)
+            | Op::Switch
+            | Op::Case(_)
+            | Op::CaseSkip(_)
+            | Op::CaseEnd
+            | Op::SwitchEnd(_)
+            | Op::Break
+            | Op::Continue
+            | Op::Return
+            | Op::Kill
+            | Op::Barrier
+            | Op::Call(_)
+            | Op::End => (0, 0, 0),
+        };
+        Shape { writes, reads, plain }
+    }
+
+    /// The instruction it may jump to.
+    pub fn target(&mut self) -> Option<&mut u32> {
+        match self {
+            Op::If(to)
+            | Op::Else(to)
+            | Op::EndIf(to)
+            | Op::Continuing(to)
+            | Op::Again(to)
+            | Op::LoopEnd(to)
+            | Op::CaseSkip(to)
+            | Op::SwitchEnd(to) => Some(to),
+            _ => None,
+        }
+    }
+
+    /// Whether it computes a value and does nothing else.
+    pub fn is_pure(self) -> bool {
+        let shape = self.shape();
+        shape.writes > 0 && !matches!(self, Op::Store(_) | Op::Atomic(_))
+    }
+}
+
+/// An index computed while the shader runs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dynamic {
+    /// Registers from one element to the next in each class; bytes where it is a buffer.
+    pub strides: [u32; 3],
+    pub bound: Bound,
+}
+
+/// How many elements there are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Bound {
+    Known(u32),
+    /// As many as the buffer has room for: elements from `offset`, `stride` bytes each.
+    Runtime { offset: u32, stride: u32 },
+}
+
+/// An access by computed indices; they are the head registers of its instruction.
+#[derive(Clone, Debug)]
+pub(super) struct Access {
+    /// The buffer; unused for variables.
+    pub buffer: u32,
+    pub dynamics: Vec<Dynamic>,
+    /// What an atomic does.
+    pub change: Option<Change>,
+}
+
+/// The values of one case of a switch.
+#[derive(Clone, Debug)]
+pub(super) struct Values {
+    /// Lanes with one of them take it; for the default, lanes with none of them.
+    pub bits: Vec<u32>,
+    pub default: bool,
+}
+
+/// Where an instruction comes from: the function, and the bytes of the text in naga's numbering.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    pub function: u32,
+    pub start: u32,
+    pub end: u32,
+}

@@ -1,0 +1,279 @@
+//! Expressions: constants, parts of values, loads; what computes is in
+//! [`operators`](super::operators) and [`math`](super::math).
+
+use std::rc::Rc;
+
+use naga::{AddressSpace, Expression, Handle, Literal, ScalarKind, TypeInner};
+
+use super::super::code::{Axis, Class, Op, Reg};
+use super::super::flatten::class;
+use super::Global;
+use super::function::{Function, Resolved, Value};
+use super::pointer::Root;
+
+impl Function<'_, '_> {
+    /// Compiles an expression where it stands.
+    pub fn expression(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
+        let arena = self.arena;
+        let regs = match &arena[handle] {
+            Expression::Literal(literal) => [self.literal(*literal)?].into(),
+            Expression::Constant(constant) => {
+                let init = self.b.ir.constants[*constant].init;
+                self.global(init)?
+            }
+            Expression::Override(given) => self.given(*given)?,
+            Expression::ZeroValue(ty) => {
+                let inner = &self.b.ir.types[*ty].inner;
+                self.zero(inner)?
+            }
+            Expression::Compose { components, .. } => {
+                let mut all = Vec::new();
+                for component in components {
+                    all.extend_from_slice(&self.regs(*component)?);
+                }
+                all.into()
+            }
+            Expression::Splat { size, value } => {
+                let value = self.scalar(*value)?;
+                vec![value; *size as usize].into()
+            }
+            Expression::Swizzle { size, vector, pattern } => {
+                let from = self.regs(*vector)?;
+                pattern[..*size as usize].iter().map(|c| from[*c as usize]).collect()
+            }
+            Expression::AccessIndex { base, index } => return self.part(*base, *index),
+            Expression::Access { base, index } => return self.part_at(*base, *index),
+            Expression::FunctionArgument(number) => {
+                let argument = &self.arguments[*number as usize];
+                let regs = argument.regs.clone();
+                if !argument.pointer {
+                    return Ok(Value::Regs(regs));
+                }
+                let root = Root::Variable(regs);
+                return Ok(self.whole(root, self.pointee(handle)?));
+            }
+            Expression::LocalVariable(local) => {
+                let root = Root::Variable(self.locals[local.index()].clone());
+                let ty = self.function.local_variables[*local].ty;
+                return Ok(self.whole(root, naga::proc::TypeResolution::Handle(ty)));
+            }
+            Expression::GlobalVariable(variable) => {
+                let global = self.globals[variable.index()].clone();
+                let variable = &self.b.ir.global_variables[*variable];
+                let ty = naga::proc::TypeResolution::Handle(variable.ty);
+                let root = match global {
+                    Global::Buffer { number, read_only } => Root::Buffer { number, read_only },
+                    Global::Private(regs) => Root::Variable(regs),
+                    Global::Image(number) => return Ok(Value::Regs([number].into())),
+                    Global::Refused(why) => return Err(why),
+                };
+                debug_assert!(variable.space != AddressSpace::Handle);
+                return Ok(self.whole(root, ty));
+            }
+            Expression::Load { pointer } => {
+                let pointer = self.pointer(*pointer)?;
+                return self.load(&pointer);
+            }
+            Expression::ImageSample { .. }
+            | Expression::ImageLoad { .. }
+            | Expression::ImageQuery { .. } => self.image(handle)?,
+            Expression::Unary { op, expr } => self.unary(*op, *expr)?,
+            Expression::Binary { op, left, right } => self.binary(*op, *left, *right)?,
+            Expression::Select { condition, accept, reject } => {
+                let condition = self.regs(*condition)?;
+                let (accept, reject) = (self.regs(*accept)?, self.regs(*reject)?);
+                self.select(&condition, &accept, &reject)
+            }
+            Expression::Derivative { axis, ctrl, expr } => {
+                let from = self.regs(*expr)?;
+                let axis = match axis {
+                    naga::DerivativeAxis::X => Axis::X,
+                    naga::DerivativeAxis::Y => Axis::Y,
+                    naga::DerivativeAxis::Width => Axis::Width,
+                };
+                let op = match ctrl {
+                    naga::DerivativeControl::Coarse => Op::DerivativeCoarse(axis),
+                    naga::DerivativeControl::Fine | naga::DerivativeControl::None => {
+                        Op::DerivativeFine(axis)
+                    }
+                };
+                self.each1(op, Class::Real, &from)
+            }
+            Expression::Relational { fun, argument } => self.relational(*fun, *argument)?,
+            Expression::Math { fun, arg, arg1, arg2, arg3 } => {
+                self.math(*fun, *arg, [*arg1, *arg2, *arg3])?
+            }
+            Expression::As { expr, kind, convert } => self.cast(*expr, *kind, *convert)?,
+            Expression::ArrayLength(array) => {
+                let pointer = self.pointer(*array)?;
+                let inner = pointer.ty.inner_with(&self.b.ir.types);
+                let (Root::Buffer { number, .. }, TypeInner::Array { stride, .. }) =
+                    (&pointer.root, inner)
+                else {
+                    return Err("the length of what is no array in a buffer".into());
+                };
+                let bound = super::super::code::Bound::Runtime {
+                    offset: pointer.bytes,
+                    stride: *stride,
+                };
+                let dynamics = vec![super::super::code::Dynamic { strides: [0; 3], bound }];
+                let access = super::super::code::Access {
+                    buffer: *number,
+                    dynamics,
+                    change: None,
+                };
+                let access = self.b.access(access);
+                let to = self.b.temporary(Class::Word);
+                self.b.push(Op::ArrayLength(access), &[], &[to.0]);
+                [to].into()
+            }
+            Expression::CallResult(_)
+            | Expression::AtomicResult { .. }
+            | Expression::WorkGroupUniformLoadResult { .. } => {
+                return Err("a result before its call".into());
+            }
+            Expression::RayQueryVertexPositions { .. }
+            | Expression::RayQueryProceedResult
+            | Expression::RayQueryGetIntersection { .. } => return Err("ray queries".into()),
+            Expression::SubgroupBallotResult | Expression::SubgroupOperationResult { .. } => {
+                return Err("subgroup operations".into());
+            }
+            Expression::CooperativeLoad { .. } | Expression::CooperativeMultiplyAdd { .. } => {
+                return Err("cooperative matrices".into());
+            }
+        };
+        Ok(Value::Regs(regs))
+    }
+
+    fn literal(&mut self, literal: Literal) -> Result<Reg, String> {
+        let (class, bits) = match literal {
+            Literal::F64(x) => (Class::Wide, x.to_bits()),
+            Literal::F32(x) => (Class::Real, u64::from(x.to_bits())),
+            Literal::F16(x) => (Class::Real, u64::from(x.to_f32().to_bits())),
+            Literal::U16(x) => (Class::Word, u64::from(x)),
+            Literal::I16(x) => (Class::Word, u64::from(i32::from(x) as u32)),
+            Literal::U32(x) => (Class::Word, u64::from(x)),
+            Literal::I32(x) => (Class::Word, u64::from(x as u32)),
+            Literal::U64(x) => (Class::Wide, x),
+            Literal::I64(x) => (Class::Wide, x as u64),
+            Literal::Bool(x) => (Class::Word, u64::from(x)),
+            Literal::AbstractInt(_) | Literal::AbstractFloat(_) => {
+                return Err("abstract numbers".into());
+            }
+        };
+        Ok(self.b.constant(class, bits))
+    }
+
+    /// An expression of the module, where this one stands.
+    fn global(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
+        if let Resolved::Module(_) = self.resolved {
+            return self.regs(handle);
+        }
+        let ir = self.b.ir;
+        let info = self.b.info;
+        let mut module = Function {
+            b: self.b,
+            function: self.function,
+            arena: &ir.global_expressions,
+            resolved: Resolved::Module(info),
+            globals: self.globals,
+            functions: &[],
+            arguments: Vec::new(),
+            locals: Vec::new(),
+            result: Rc::from([]),
+            values: vec![None; ir.global_expressions.len()],
+        };
+        module.regs(handle)
+    }
+
+    /// The value of an override: what was given, or its default.
+    fn given(&mut self, handle: Handle<naga::Override>) -> Result<Rc<[Reg]>, String> {
+        let declared = &self.b.ir.overrides[handle];
+        if let Some(value) = self.b.overrides[handle.index()] {
+            let TypeInner::Scalar(scalar) = self.b.ir.types[declared.ty].inner else {
+                return Err("an override that is no scalar".into());
+            };
+            let class = class(scalar)?;
+            let bits = match (scalar.kind, class) {
+                (ScalarKind::Float, Class::Wide) => value.to_bits(),
+                (ScalarKind::Float, _) => u64::from((value as f32).to_bits()),
+                (ScalarKind::Bool, _) => u64::from(value != 0.0),
+                (ScalarKind::Sint, Class::Wide) => value as i64 as u64,
+                (ScalarKind::Sint, _) => u64::from(value as i32 as u32),
+                _ if class == Class::Wide => value as u64,
+                _ => u64::from(value as u32),
+            };
+            return Ok([self.b.constant(class, bits)].into());
+        }
+        match declared.init {
+            Some(init) => self.global(init),
+            None => {
+                let name = declared.name.clone().unwrap_or_default();
+                Err(format!("the override `{name}`, which has no default and was given no value"))
+            }
+        }
+    }
+
+    /// A part at an index known before it runs.
+    fn part(&mut self, base: Handle<Expression>, index: u32) -> Result<Value, String> {
+        match self.value(base)? {
+            Value::Pointer(pointer) => {
+                Ok(Value::Pointer(Rc::new(self.step(&pointer, index)?)))
+            }
+            Value::View(pointer) => {
+                let part = Rc::new(self.step(&pointer, index)?);
+                self.load(&part)
+            }
+            Value::Regs(regs) => {
+                let step = self.b.types.step(self.ty(base), index)?;
+                let count = self.b.types.leaf_count(step.ty.inner_with(&self.b.ir.types))?;
+                let at = step.leaves as usize;
+                let part = regs.get(at..at + count as usize);
+                let part = part.ok_or("an index past the end of a value")?;
+                Ok(Value::Regs(part.into()))
+            }
+        }
+    }
+
+    /// A part at a computed index.
+    fn part_at(
+        &mut self,
+        base: Handle<Expression>,
+        index: Handle<Expression>,
+    ) -> Result<Value, String> {
+        let index = self.scalar(index)?;
+        if index.class() != Class::Word {
+            return Err("an index of 64 bits".into());
+        }
+        match self.value(base)? {
+            Value::Pointer(pointer) => {
+                Ok(Value::Pointer(Rc::new(self.index(&pointer, index)?)))
+            }
+            Value::View(pointer) => {
+                let part = Rc::new(self.index(&pointer, index)?);
+                self.load(&part)
+            }
+            Value::Regs(regs) => {
+                let bound = self.b.types.bound(self.ty(base)).unwrap_or(0);
+                match self.b.known(index).filter(|&i| i < u64::from(bound)) {
+                    Some(index) => self.part(base, index as u32),
+                    None => self.element(base, regs, index),
+                }
+            }
+        }
+    }
+
+    fn pointee(&self, handle: Handle<Expression>) -> Result<naga::proc::TypeResolution, String> {
+        use naga::proc::TypeResolution::{Handle, Value};
+        match self.ty(handle) {
+            TypeInner::Pointer { base, .. } => Ok(Handle(*base)),
+            TypeInner::ValuePointer { size: Some(size), scalar, .. } => {
+                Ok(Value(TypeInner::Vector { size: *size, scalar: *scalar }))
+            }
+            TypeInner::ValuePointer { size: None, scalar, .. } => {
+                Ok(Value(TypeInner::Scalar(*scalar)))
+            }
+            _ => Err("a pointer of unknown type".into()),
+        }
+    }
+}

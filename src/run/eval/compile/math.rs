@@ -1,0 +1,271 @@
+//! Math functions. What the specifications define by a formula is that formula, in its
+//! order: `reflect` is `e1 - 2 * dot(e2, e1) * e2` (WGSL §17.5, GLSL 4.60 §8.5).
+
+use std::rc::Rc;
+
+use naga::{Expression, Handle, MathFunction, Scalar, ScalarKind, TypeInner};
+
+use super::super::code::{Cast, Class, Cmp, F1, F2, F3, I2, Op, Reg};
+use super::function::Function;
+use super::operators::scalar_of;
+
+impl Function<'_, '_> {
+    pub fn math(
+        &mut self,
+        fun: MathFunction,
+        arg: Handle<Expression>,
+        more: [Option<Handle<Expression>>; 3],
+    ) -> Result<Rc<[Reg]>, String> {
+        let inner = self.ty(arg).clone();
+        let scalar = scalar_of(&inner)?;
+        let a = self.regs(arg)?;
+        let mut rest: [Rc<[Reg]>; 3] = [Rc::from([]), Rc::from([]), Rc::from([])];
+        for (rest, more) in rest.iter_mut().zip(more) {
+            if let Some(more) = more {
+                *rest = self.regs(more)?;
+            }
+        }
+        let [b, c, d] = rest;
+        if scalar.kind != ScalarKind::Float {
+            return self.integer_math(fun, scalar, &a, [&b, &c, &d]);
+        }
+        if let Some(f) = single(fun) {
+            return Ok(self.f1(f, scalar, &a));
+        }
+        use MathFunction as M;
+        let n = a.len();
+        Ok(match fun {
+            M::Min => self.f2(F2::Min, scalar, &a, &b),
+            M::Max => self.f2(F2::Max, scalar, &a, &b),
+            M::Pow => self.f2(F2::Pow, scalar, &a, &b),
+            M::Atan2 => self.f2(F2::Atan2, scalar, &a, &b),
+            M::Step => self.f2(F2::Step, scalar, &a, &b),
+            M::Clamp => self.f3(F3::Clamp, scalar, &a, &b, &c),
+            M::Fma => self.f3(F3::Fma, scalar, &a, &b, &c),
+            M::Mix => self.f3(F3::Mix, scalar, &a, &b, &c),
+            M::SmoothStep => self.f3(F3::SmoothStep, scalar, &a, &b, &c),
+            M::Modf => {
+                let whole = self.f1(F1::Trunc, scalar, &a);
+                let fract = self.f2(F2::Sub, scalar, &a, &whole);
+                fract.iter().chain(whole.iter()).copied().collect()
+            }
+            M::Frexp => {
+                let fract = self.f1(F1::FrexpFract, scalar, &a);
+                let from = self.as_real(scalar, &a);
+                let exponent = self.each1(Op::Cast(Cast::Exponent), Class::Word, &from);
+                fract.iter().chain(exponent.iter()).copied().collect()
+            }
+            M::Ldexp if scalar.width != 8 => {
+                let regs = self.each2(Op::Ldexp, Class::Real, &a, &b);
+                self.narrowed(scalar, regs)
+            }
+            M::Dot => self.dots(scalar, &[(a.to_vec(), b.to_vec())]),
+            M::Outer => {
+                let mut product = Vec::with_capacity(n * b.len());
+                for column in b.iter() {
+                    product.extend_from_slice(&self.f2(F2::Mul, scalar, &a, &[*column]));
+                }
+                product.into()
+            }
+            M::Cross if scalar.width == 4 => {
+                let to = self.b.temporaries(Class::Real, 3);
+                let operands: Vec<u32> =
+                    to.iter().chain(a.iter()).chain(b.iter()).map(|reg| reg.0).collect();
+                self.b.push(Op::Cross, &[], &operands);
+                to.into()
+            }
+            M::Cross => {
+                let turn = |v: &[Reg], by: usize| -> Vec<Reg> {
+                    (0..3).map(|i| v[(i + by) % 3]).collect()
+                };
+                let left = self.f2(F2::Mul, scalar, &turn(&a, 1), &turn(&b, 2));
+                let right = self.f2(F2::Mul, scalar, &turn(&a, 2), &turn(&b, 1));
+                self.f2(F2::Sub, scalar, &left, &right)
+            }
+            M::Length => self.length(scalar, &a),
+            M::Distance if scalar.width == 4 => {
+                let operands: Vec<u32> = a.iter().chain(b.iter()).map(|reg| reg.0).collect();
+                self.fused(Op::Distance(n as u8), 1, &operands)
+            }
+            M::Distance => {
+                let between = self.f2(F2::Sub, scalar, &a, &b);
+                self.length(scalar, &between)
+            }
+            M::Normalize if scalar.width == 4 => {
+                let operands: Vec<u32> = a.iter().map(|reg| reg.0).collect();
+                self.fused(Op::Normalize(n as u8), n, &operands)
+            }
+            M::Normalize => {
+                let length = self.length(scalar, &a);
+                self.f2(F2::Div, scalar, &a, &length)
+            }
+            M::FaceForward => {
+                let facing = self.dots(scalar, &[(c.to_vec(), b.to_vec())]);
+                let zero = self.number(scalar, 0.0);
+                let op = if scalar.width == 8 { Op::DCmp(Cmp::Lt) } else { Op::FCmp(Cmp::Lt) };
+                let condition = self.each2(op, Class::Word, &facing, &[zero]);
+                let away = self.f1(F1::Neg, scalar, &a);
+                self.select(&condition, &a, &away)
+            }
+            M::Reflect => {
+                let dot = self.dots(scalar, &[(b.to_vec(), a.to_vec())]);
+                let two = self.number(scalar, 2.0);
+                let twice = self.f2(F2::Mul, scalar, &[two], &dot);
+                let along = self.f2(F2::Mul, scalar, &twice, &b);
+                self.f2(F2::Sub, scalar, &a, &along)
+            }
+            M::Refract => self.refract(scalar, &a, &b, &c),
+            M::Determinant | M::Inverse | M::Transpose => {
+                let TypeInner::Matrix { columns, rows, .. } = inner else {
+                    return Err("a matrix function of what is no matrix".into());
+                };
+                let (columns, rows) = (columns as usize, rows as usize);
+                match fun {
+                    M::Determinant => [self.determinant(scalar, &a, columns)].into(),
+                    M::Inverse => self.inverse(scalar, &a, columns),
+                    _ => (0..rows)
+                        .flat_map(|r| (0..columns).map(move |c| (c, r)))
+                        .map(|(c, r)| a[c * rows + r])
+                        .collect(),
+                }
+            }
+            M::Pack4x8snorm => self.pack(&a, 8, -1.0, 127.0, false),
+            M::Pack4x8unorm => self.pack(&a, 8, 0.0, 255.0, true),
+            M::Pack2x16snorm => self.pack(&a, 16, -1.0, 32767.0, false),
+            M::Pack2x16unorm => self.pack(&a, 16, 0.0, 65535.0, true),
+            M::Pack2x16float => {
+                let bits = self.each1(Op::Cast(Cast::HalfToBits), Class::Word, &a);
+                self.together(&bits, 16)
+            }
+            other => return Err(format!("the function `{other:?}` on these types")),
+        })
+    }
+
+    pub fn f3(&mut self, f: F3, scalar: Scalar, a: &[Reg], b: &[Reg], c: &[Reg]) -> Rc<[Reg]> {
+        let regs = match scalar.width {
+            8 => self.each3(Op::D3(f), Class::Wide, a, b, c),
+            _ => self.each3(Op::F3(f), Class::Real, a, b, c),
+        };
+        self.narrowed(scalar, regs)
+    }
+
+    /// A constant of the scalar's width.
+    pub fn number(&mut self, scalar: Scalar, value: f32) -> Reg {
+        match scalar.width {
+            8 => self.b.constant(Class::Wide, f64::from(value).to_bits()),
+            _ => self.b.real(value),
+        }
+    }
+
+    fn fused(&mut self, op: Op, results: usize, operands: &[u32]) -> Rc<[Reg]> {
+        let to = self.b.temporaries(Class::Real, results);
+        let all: Vec<u32> = to.iter().map(|reg| reg.0).chain(operands.iter().copied()).collect();
+        self.b.push(op, &[], &all);
+        to.into()
+    }
+
+    fn length(&mut self, scalar: Scalar, a: &[Reg]) -> Rc<[Reg]> {
+        if a.len() == 1 {
+            return self.f1(F1::Abs, scalar, a);
+        }
+        if scalar.width == 4 {
+            let operands: Vec<u32> = a.iter().map(|reg| reg.0).collect();
+            return self.fused(Op::Length(a.len() as u8), 1, &operands);
+        }
+        let dot = self.dots(scalar, &[(a.to_vec(), a.to_vec())]);
+        self.f1(F1::Sqrt, scalar, &dot)
+    }
+
+    fn refract(&mut self, scalar: Scalar, i: &[Reg], n: &[Reg], eta: &[Reg]) -> Rc<[Reg]> {
+        let zero = self.number(scalar, 0.0);
+        let one = self.number(scalar, 1.0);
+        let dot = self.dots(scalar, &[(n.to_vec(), i.to_vec())]);
+        let square = self.f2(F2::Mul, scalar, &dot, &dot);
+        let sine = self.f2(F2::Sub, scalar, &[one], &square);
+        let ratio = self.f2(F2::Mul, scalar, eta, eta);
+        let product = self.f2(F2::Mul, scalar, &ratio, &sine);
+        let k = self.f2(F2::Sub, scalar, &[one], &product);
+        let op = if scalar.width == 8 { Op::DCmp(Cmp::Lt) } else { Op::FCmp(Cmp::Lt) };
+        let total = self.each2(op, Class::Word, &k, &[zero]);
+        // The root is not taken where all light is reflected.
+        let positive = self.f2(F2::Max, scalar, &k, &[zero]);
+        let root = self.f1(F1::Sqrt, scalar, &positive);
+        let along = self.f2(F2::Mul, scalar, eta, &dot);
+        let factor = self.f2(F2::Add, scalar, &along, &root);
+        let bent = self.f2(F2::Mul, scalar, eta, i);
+        let back = self.f2(F2::Mul, scalar, &factor, n);
+        let through = self.f2(F2::Sub, scalar, &bent, &back);
+        let nothing = vec![zero; i.len()];
+        self.select(&total, &nothing, &through)
+    }
+
+    fn as_real(&mut self, scalar: Scalar, a: &[Reg]) -> Rc<[Reg]> {
+        match scalar.width {
+            8 => self.each1(Op::Cast(Cast::DoubleToReal), Class::Real, a),
+            _ => a.into(),
+        }
+    }
+
+    /// `floor(0.5 + scale * clamp(x, low, 1))` in the fields of a word: WGSL §17.9.
+    fn pack(&mut self, a: &[Reg], bits: u32, low: f32, scale: f32, unsigned: bool) -> Rc<[Reg]> {
+        let numbers = [low, 1.0, scale, 0.5].map(|x| self.b.real(x));
+        let f32 = Scalar::F32;
+        let clamped = self.f3(F3::Clamp, f32, a, &numbers[..1], &numbers[1..2]);
+        let scaled = self.f2(F2::Mul, f32, &clamped, &numbers[2..3]);
+        let shifted = self.f2(F2::Add, f32, &scaled, &numbers[3..]);
+        let floored = self.f1(F1::Floor, f32, &shifted);
+        let cast = if unsigned { Cast::RealToUint } else { Cast::RealToSint };
+        let fields = self.each1(Op::Cast(cast), Class::Word, &floored);
+        self.together(&fields, bits)
+    }
+
+    /// Fields of a word, the first the lowest.
+    pub fn together(&mut self, fields: &[Reg], bits: u32) -> Rc<[Reg]> {
+        let mask = self.b.word(u32::MAX >> (32 - bits));
+        let kept = self.each2(Op::I2(I2::And), Class::Word, fields, &[mask]);
+        let mut word = kept[0];
+        for (i, field) in kept.iter().enumerate().skip(1) {
+            let by = self.b.word(i as u32 * bits);
+            let moved = self.each2(Op::I2(I2::Shl), Class::Word, &[*field], &[by]);
+            word = self.each2(Op::I2(I2::Or), Class::Word, &[word], &moved)[0];
+        }
+        [word].into()
+    }
+}
+
+/// Functions of one operand, component by component.
+fn single(fun: MathFunction) -> Option<F1> {
+    use MathFunction as M;
+    Some(match fun {
+        M::Abs => F1::Abs,
+        M::Saturate => F1::Saturate,
+        M::Cos => F1::Cos,
+        M::Cosh => F1::Cosh,
+        M::Sin => F1::Sin,
+        M::Sinh => F1::Sinh,
+        M::Tan => F1::Tan,
+        M::Tanh => F1::Tanh,
+        M::Acos => F1::Acos,
+        M::Asin => F1::Asin,
+        M::Atan => F1::Atan,
+        M::Asinh => F1::Asinh,
+        M::Acosh => F1::Acosh,
+        M::Atanh => F1::Atanh,
+        M::Radians => F1::Radians,
+        M::Degrees => F1::Degrees,
+        M::Ceil => F1::Ceil,
+        M::Floor => F1::Floor,
+        M::Round => F1::Round,
+        M::Fract => F1::Fract,
+        M::Trunc => F1::Trunc,
+        M::Exp => F1::Exp,
+        M::Exp2 => F1::Exp2,
+        M::Log => F1::Log,
+        M::Log2 => F1::Log2,
+        M::Sign => F1::Sign,
+        M::Sqrt => F1::Sqrt,
+        M::InverseSqrt => F1::InverseSqrt,
+        M::QuantizeToF16 => F1::Quantize,
+        _ => return None,
+    })
+}

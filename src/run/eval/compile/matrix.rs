@@ -1,0 +1,140 @@
+//! Matrices: products, determinant, inverse. All are plain sums of products, so that
+//! every step is rounded and every step can be looked at.
+
+use std::rc::Rc;
+
+use naga::{Scalar, TypeInner, VectorSize};
+
+use super::super::code::{Class, F1, F2, Op, Reg};
+use super::function::Function;
+
+impl Function<'_, '_> {
+    /// One sum of products for each pair of lists.
+    pub fn dots(&mut self, scalar: Scalar, pairs: &[(Vec<Reg>, Vec<Reg>)]) -> Rc<[Reg]> {
+        let class = if scalar.width == 8 { Class::Wide } else { Class::Real };
+        let to = self.b.temporaries(class, pairs.len());
+        let mut operands = Vec::new();
+        for (to, (a, b)) in to.iter().zip(pairs) {
+            operands.push(to.0);
+            operands.extend(a.iter().chain(b).map(|reg| reg.0));
+        }
+        let n = pairs[0].0.len() as u8;
+        self.b.push(if scalar.width == 8 { Op::DDot(n) } else { Op::Dot(n) }, &[], &operands);
+        self.narrowed(scalar, to.into())
+    }
+
+    /// A product that is not component by component; none if it is.
+    pub fn matrix_product(
+        &mut self,
+        left: &TypeInner,
+        right: &TypeInner,
+        a: &[Reg],
+        b: &[Reg],
+    ) -> Option<Rc<[Reg]>> {
+        let row = |m: &[Reg], columns: VectorSize, rows: VectorSize, row: usize| -> Vec<Reg> {
+            (0..columns as usize).map(|column| m[column * rows as usize + row]).collect()
+        };
+        let column = |m: &[Reg], rows: VectorSize, column: usize| -> Vec<Reg> {
+            m[column * rows as usize..(column + 1) * rows as usize].to_vec()
+        };
+        match (left, right) {
+            (
+                TypeInner::Matrix { columns, rows, scalar },
+                TypeInner::Matrix { columns: right_columns, rows: right_rows, .. },
+            ) => {
+                let mut pairs = Vec::new();
+                for c in 0..*right_columns as usize {
+                    for r in 0..*rows as usize {
+                        pairs.push((row(a, *columns, *rows, r), column(b, *right_rows, c)));
+                    }
+                }
+                Some(self.dots(*scalar, &pairs))
+            }
+            (TypeInner::Matrix { columns, rows, scalar }, TypeInner::Vector { .. }) => {
+                let pairs: Vec<_> = (0..*rows as usize)
+                    .map(|r| (row(a, *columns, *rows, r), b.to_vec()))
+                    .collect();
+                Some(self.dots(*scalar, &pairs))
+            }
+            (TypeInner::Vector { .. }, TypeInner::Matrix { columns, rows, scalar }) => {
+                let pairs: Vec<_> =
+                    (0..*columns as usize).map(|c| (a.to_vec(), column(b, *rows, c))).collect();
+                Some(self.dots(*scalar, &pairs))
+            }
+            _ => None,
+        }
+    }
+
+    /// `a * d - b * c`
+    fn minor(&mut self, scalar: Scalar, a: Reg, d: Reg, b: Reg, c: Reg) -> Reg {
+        let products = self.f2(F2::Mul, scalar, &[a, b], &[d, c]);
+        self.f2(F2::Sub, scalar, &products[..1], &products[1..])[0]
+    }
+
+    /// The sum with alternating signs of products, as a cofactor expansion has it.
+    fn expand(&mut self, scalar: Scalar, factors: &[Reg], minors: &[Reg]) -> Reg {
+        let products = self.f2(F2::Mul, scalar, factors, minors);
+        let mut sum = products[0];
+        for (i, product) in products.iter().enumerate().skip(1) {
+            let op = if i % 2 == 1 { F2::Sub } else { F2::Add };
+            sum = self.f2(op, scalar, &[sum], &[*product])[0];
+        }
+        sum
+    }
+
+    /// The determinant of columns and rows, by the first of them.
+    fn determinant_of(&mut self, scalar: Scalar, m: &[Reg], columns: &[usize], n: usize) -> Reg {
+        let size = columns.len();
+        let first = n - size;
+        let at = |column: usize, row: usize| m[column * n + row];
+        match size {
+            1 => at(columns[0], first),
+            2 => self.minor(
+                scalar,
+                at(columns[0], first),
+                at(columns[1], first + 1),
+                at(columns[1], first),
+                at(columns[0], first + 1),
+            ),
+            _ => {
+                let factors: Vec<Reg> = columns.iter().map(|&c| at(c, first)).collect();
+                let minors: Vec<Reg> = (0..size)
+                    .map(|skip| {
+                        let rest: Vec<usize> =
+                            columns.iter().copied().filter(|&c| c != columns[skip]).collect();
+                        self.determinant_of(scalar, m, &rest, n)
+                    })
+                    .collect();
+                self.expand(scalar, &factors, &minors)
+            }
+        }
+    }
+
+    pub fn determinant(&mut self, scalar: Scalar, m: &[Reg], n: usize) -> Reg {
+        let columns: Vec<usize> = (0..n).collect();
+        self.determinant_of(scalar, m, &columns, n)
+    }
+
+    /// The adjugate over the determinant.
+    pub fn inverse(&mut self, scalar: Scalar, m: &[Reg], n: usize) -> Rc<[Reg]> {
+        let determinant = self.determinant(scalar, m, n);
+        let mut cofactors = Vec::with_capacity(n * n);
+        for column in 0..n {
+            for row in 0..n {
+                // The adjugate is the transpose of the cofactors.
+                let rest: Vec<Reg> = (0..n)
+                    .filter(|&c| c != row)
+                    .flat_map(|c| (0..n).filter(|&r| r != column).map(move |r| (c, r)))
+                    .map(|(c, r)| m[c * n + r])
+                    .collect();
+                let minor = self.determinant(scalar, &rest, n - 1);
+                cofactors.push(if (column + row) % 2 == 1 {
+                    self.f1(F1::Neg, scalar, &[minor])[0]
+                } else {
+                    minor
+                });
+            }
+        }
+        self.f2(F2::Div, scalar, &cofactors, &[determinant])
+    }
+}

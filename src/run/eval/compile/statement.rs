@@ -1,0 +1,254 @@
+//! Statements: blocks, branches, loops, calls, stores.
+
+use std::rc::Rc;
+
+use naga::{AtomicFunction, Block, Expression, Handle, Statement, SwitchCase, SwitchValue};
+
+use super::super::code::{Access, Change, Class, I2, Op, Reg, Values};
+use super::super::flatten::stored;
+use super::function::{Function, Value};
+use super::operators::scalar_of;
+use super::pointer::Root;
+
+impl Function<'_, '_> {
+    /// A block. Where no lane is left in it, the machine goes on at its end.
+    pub fn block(&mut self, block: &Block) -> Result<(), String> {
+        let mut skips = Vec::new();
+        for (statement, span) in block.span_iter() {
+            self.at(*span);
+            skips.extend(self.statement(statement)?);
+        }
+        skips.into_iter().for_each(|skip| self.b.land(skip));
+        Ok(())
+    }
+
+    /// One statement; the instruction that leaves the block when no lane is left.
+    fn statement(&mut self, statement: &Statement) -> Result<Option<u32>, String> {
+        match statement {
+            Statement::Emit(range) => {
+                for handle in range.clone() {
+                    let span = self.arena.get_span(handle);
+                    self.at(span);
+                    self.value(handle)?;
+                    // A loop evaluates it anew: the same registers, the same instructions.
+                }
+                Ok(None)
+            }
+            Statement::Block(block) => {
+                self.block(block)?;
+                Ok(None)
+            }
+            Statement::If { condition, accept, reject } => {
+                let condition = self.scalar(*condition)?;
+                let branch = self.b.push(Op::If(0), &[condition], &[]);
+                self.block(accept)?;
+                self.b.land(branch);
+                if !reject.is_empty() {
+                    let branch = self.b.push(Op::Else(0), &[], &[]);
+                    self.block(reject)?;
+                    self.b.land(branch);
+                }
+                Ok(Some(self.b.push(Op::EndIf(0), &[], &[])))
+            }
+            Statement::Switch { selector, cases } => self.switch(*selector, cases).map(Some),
+            Statement::Loop { body, continuing, break_if } => {
+                self.b.push(Op::Loop, &[], &[]);
+                let head = self.b.here();
+                let origin = self.b.body.origin;
+                self.block(body)?;
+                let leave = self.b.push(Op::Continuing(0), &[], &[]);
+                self.block(continuing)?;
+                if let Some(condition) = break_if {
+                    let condition = self.scalar(*condition)?;
+                    self.b.push(Op::BreakIf, &[condition], &[]);
+                }
+                // Its place is the loop's: that is what a loop without an end is named by.
+                self.b.body.origin = origin;
+                self.b.push(Op::Again(head), &[], &[]);
+                self.b.land(leave);
+                Ok(Some(self.b.push(Op::LoopEnd(0), &[], &[])))
+            }
+            Statement::Break => {
+                self.b.push(Op::Break, &[], &[]);
+                Ok(None)
+            }
+            Statement::Continue => {
+                self.b.push(Op::Continue, &[], &[]);
+                Ok(None)
+            }
+            Statement::Return { value } => {
+                if let Some(value) = value {
+                    let from = self.regs(*value)?;
+                    let to = self.result.clone();
+                    self.copy(Op::Store, &to, &from);
+                }
+                self.b.push(Op::Return, &[], &[]);
+                Ok(None)
+            }
+            Statement::Kill => {
+                self.b.push(Op::Kill, &[], &[]);
+                Ok(None)
+            }
+            Statement::ControlBarrier(_) => {
+                self.b.push(Op::Barrier, &[], &[]);
+                Ok(None)
+            }
+            // All lanes see every store as soon as it is made.
+            Statement::MemoryBarrier(_) => Ok(None),
+            Statement::Store { pointer, value } => {
+                let from = self.regs(*value)?;
+                let pointer = self.pointer(*pointer)?;
+                self.store(&pointer, &from)?;
+                Ok(None)
+            }
+            Statement::Atomic { pointer, fun, value, result } => {
+                self.atomic(*pointer, *fun, *value, *result)?;
+                Ok(None)
+            }
+            Statement::WorkGroupUniformLoad { pointer, result } => {
+                self.b.push(Op::Barrier, &[], &[]);
+                let pointer = self.pointer(*pointer)?;
+                let loaded = self.load_all(&pointer)?;
+                self.b.push(Op::Barrier, &[], &[]);
+                self.values[result.index()] = Some(Value::Regs(loaded));
+                Ok(None)
+            }
+            Statement::Call { function, arguments, result } => {
+                self.call(*function, arguments, *result)?;
+                Ok(None)
+            }
+            Statement::ImageStore { .. } | Statement::ImageAtomic { .. } => {
+                Err("storage textures".into())
+            }
+            Statement::RayQuery { .. } | Statement::RayPipelineFunction(_) => {
+                Err("ray tracing".into())
+            }
+            Statement::SubgroupBallot { .. }
+            | Statement::SubgroupGather { .. }
+            | Statement::SubgroupCollectiveOperation { .. } => Err("subgroup operations".into()),
+            Statement::CooperativeStore { .. } => Err("cooperative matrices".into()),
+        }
+    }
+
+    fn switch(&mut self, selector: Handle<Expression>, cases: &[SwitchCase]) -> Result<u32, String> {
+        let selector = self.scalar(selector)?;
+        if selector.class() != Class::Word {
+            return Err("a switch over 64-bit integers".into());
+        }
+        let bits = |value: &SwitchValue| match value {
+            SwitchValue::I32(value) => Some(*value as u32),
+            SwitchValue::U32(value) => Some(*value),
+            SwitchValue::Default => None,
+        };
+        let all: Vec<u32> = cases.iter().filter_map(|case| bits(&case.value)).collect();
+        self.b.push(Op::Switch, &[], &[]);
+        for case in cases {
+            let values = match bits(&case.value) {
+                Some(bits) => Values { bits: vec![bits], default: false },
+                None => Values { bits: all.clone(), default: true },
+            };
+            self.b.values.push(values);
+            let table = self.b.values.len() as u32 - 1;
+            self.b.push(Op::Case(table), &[selector], &[]);
+            let skip = self.b.push(Op::CaseSkip(0), &[], &[]);
+            self.block(&case.body)?;
+            self.b.land(skip);
+            if !case.fall_through {
+                self.b.push(Op::CaseEnd, &[], &[]);
+            }
+        }
+        Ok(self.b.push(Op::SwitchEnd(0), &[], &[]))
+    }
+
+    fn call(
+        &mut self,
+        function: Handle<naga::Function>,
+        arguments: &[Handle<Expression>],
+        result: Option<Handle<Expression>>,
+    ) -> Result<(), String> {
+        let functions = self.functions;
+        let callee = &functions[function.index()];
+        if let Err(why) = &callee.state {
+            return Err(why.clone());
+        }
+        let mut back = Vec::new();
+        for (argument, handle) in callee.arguments.iter().zip(arguments) {
+            let from = if argument.pointer {
+                let pointer = self.pointer(*handle)?;
+                let from = self.load_all(&pointer)?;
+                back.push((pointer, &argument.regs));
+                from
+            } else {
+                self.regs(*handle)?
+            };
+            self.copy(Op::Move, &argument.regs, &from);
+        }
+        self.b.push(Op::Call(function.index() as u32), &[], &[]);
+        for (pointer, regs) in back {
+            self.store(&pointer, regs)?;
+        }
+        if let Some(result) = result {
+            let mut to = Vec::with_capacity(callee.result.len());
+            for reg in &callee.result {
+                to.push(self.b.temporary(reg.class()));
+            }
+            self.copy(Op::Move, &to, &callee.result);
+            self.values[result.index()] = Some(Value::Regs(to.into()));
+        }
+        Ok(())
+    }
+
+    fn atomic(
+        &mut self,
+        pointer: Handle<Expression>,
+        fun: AtomicFunction,
+        value: Handle<Expression>,
+        result: Option<Handle<Expression>>,
+    ) -> Result<(), String> {
+        let pointer = self.pointer(pointer)?;
+        let scalar = scalar_of(pointer.ty.inner_with(&self.b.ir.types))?;
+        let sint = scalar.kind == naga::ScalarKind::Sint;
+        let float = scalar.kind == naga::ScalarKind::Float;
+        let mut compare = None;
+        let change = match fun {
+            AtomicFunction::Add => Change::Int(I2::Add),
+            AtomicFunction::Subtract => Change::Int(I2::Sub),
+            AtomicFunction::And => Change::Int(I2::And),
+            AtomicFunction::ExclusiveOr => Change::Int(I2::Xor),
+            AtomicFunction::InclusiveOr => Change::Int(I2::Or),
+            AtomicFunction::Min if sint => Change::Int(I2::MinSint),
+            AtomicFunction::Min => Change::Int(I2::MinUint),
+            AtomicFunction::Max if sint => Change::Int(I2::MaxSint),
+            AtomicFunction::Max => Change::Int(I2::MaxUint),
+            AtomicFunction::Exchange { compare: None } => Change::Exchange,
+            AtomicFunction::Exchange { compare: Some(with) } => {
+                compare = Some(self.scalar(with)?);
+                Change::CompareExchange
+            }
+        };
+        if scalar.width != 4 || float {
+            return Err("atomics other than of 32-bit integers".into());
+        }
+        let Root::Buffer { number, .. } = pointer.root else {
+            return Err("an atomic that is in no buffer".into());
+        };
+        let value = self.scalar(value)?;
+        let compare = compare.unwrap_or(value);
+        let (old, exchanged) =
+            (self.b.temporary(Class::Word), self.b.temporary(Class::Word));
+        let head: Vec<Reg> = pointer.indices.iter().map(|i| i.0).collect();
+        let dynamics = pointer.indices.iter().map(|i| i.1).collect();
+        let access = self.b.access(Access { buffer: number, dynamics, change: Some(change) });
+        let operands =
+            [old.0, exchanged.0, value.0, compare.0, pointer.bytes, stored(scalar) as u32];
+        self.b.push(Op::Atomic(access), &head, &operands);
+        if let Some(result) = result {
+            let regs: Rc<[Reg]> = match change {
+                Change::CompareExchange => [old, exchanged].into(),
+                _ => [old].into(),
+            };
+            self.values[result.index()] = Some(Value::Regs(regs));
+        }
+        Ok(())
+    }
+}

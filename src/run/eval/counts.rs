@@ -1,0 +1,159 @@
+//! What a run cost, in operations: the same on every machine.
+//!
+//! A scalar operation of one active invocation counts one; copies, branches and
+//! changes of the same bits count nothing.
+
+use super::code::{Cast, F1, F2, F3, Inst, Op};
+
+/// Kinds of operations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cost {
+    Free,
+    Arithmetic,
+    Transcendental,
+    Load,
+    Store,
+    Texture,
+}
+
+const KINDS: usize = 6;
+
+/// What an instruction costs for each active lane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Price {
+    pub kind: Cost,
+    pub weight: u32,
+}
+
+/// Operations counted while a machine runs.
+#[derive(Clone, Debug)]
+pub(super) struct Tally {
+    pub kinds: [u64; KINDS],
+    /// By function: lanes that entered it.
+    pub calls: Vec<u64>,
+}
+
+impl Tally {
+    pub fn new(functions: usize) -> Tally {
+        Tally { kinds: [0; KINDS], calls: vec![0; functions] }
+    }
+
+    pub fn add(&mut self, other: &Tally) {
+        self.kinds.iter_mut().zip(other.kinds).for_each(|(sum, n)| *sum += n);
+        self.calls.iter_mut().zip(&other.calls).for_each(|(sum, n)| *sum += n);
+    }
+
+    pub fn counts(&self, names: impl Iterator<Item = String>) -> Counts {
+        let [_, arithmetic, transcendental, loads, stores, textures] = self.kinds;
+        let calls = names.zip(self.calls.iter().copied()).filter(|(_, n)| *n > 0).collect();
+        Counts { arithmetic, transcendental, loads, stores, textures, calls }
+    }
+}
+
+/// Operations of a run, weighted by the invocations that took part.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Additions, products, divisions, roots, comparisons, bit operations, conversions,
+    /// one for each component. A dot product of three is five, a `normalize` nine.
+    pub arithmetic: u64,
+    /// `pow`, `exp`, `log`, `sin` and the like.
+    pub transcendental: u64,
+    /// Scalars read from buffers.
+    pub loads: u64,
+    /// Scalars written to buffers.
+    pub stores: u64,
+    /// Texture lookups.
+    pub textures: u64,
+    /// How many invocations called each function, by its name; entry points too.
+    pub calls: Vec<(String, u64)>,
+}
+
+impl Counts {
+    /// All operations together.
+    pub fn operations(&self) -> u64 {
+        self.arithmetic + self.transcendental + self.loads + self.stores + self.textures
+    }
+
+    /// How many invocations called a function.
+    pub fn calls_of(&self, name: &str) -> u64 {
+        self.calls.iter().filter(|(called, _)| called == name).map(|(_, n)| n).sum()
+    }
+}
+
+/// What an instruction costs.
+pub(super) fn price(inst: &Inst) -> Price {
+    use Cost::{Arithmetic, Free, Load, Store, Texture, Transcendental};
+    let (kind, each) = match inst.op {
+        Op::F1(f) | Op::D1(f) => match f {
+            F1::Sin
+            | F1::Cos
+            | F1::Tan
+            | F1::Sinh
+            | F1::Cosh
+            | F1::Tanh
+            | F1::Asin
+            | F1::Acos
+            | F1::Atan
+            | F1::Asinh
+            | F1::Acosh
+            | F1::Atanh
+            | F1::Exp
+            | F1::Exp2
+            | F1::Log
+            | F1::Log2 => (Transcendental, 1),
+            F1::InverseSqrt | F1::Fract | F1::Saturate => (Arithmetic, 2),
+            _ => (Arithmetic, 1),
+        },
+        Op::F2(F2::Pow | F2::Atan2) => (Transcendental, 1),
+        Op::F3(F3::Mix) | Op::D3(F3::Mix) => (Arithmetic, 4),
+        Op::F3(F3::SmoothStep) | Op::D3(F3::SmoothStep) => (Arithmetic, 9),
+        Op::F3(_) | Op::D3(_) => (Arithmetic, 2),
+        Op::Dot(n) | Op::DDot(n) => (Arithmetic, 2 * u32::from(n) - 1),
+        Op::Length(n) => (Arithmetic, 2 * u32::from(n)),
+        Op::Distance(n) | Op::Normalize(n) => (Arithmetic, 3 * u32::from(n)),
+        Op::Cross => (Arithmetic, 9),
+        Op::F2(_) | Op::FCmp(_) | Op::FTest(_) | Op::Ldexp | Op::I1(_) | Op::I2(_) => {
+            (Arithmetic, 1)
+        }
+        Op::CmpSint(_) | Op::CmpUint(_) | Op::ExtractSint | Op::ExtractUint | Op::Insert => {
+            (Arithmetic, 1)
+        }
+        Op::DNeg | Op::DNot | Op::D2(_) | Op::DCmp(_) | Op::DCmpSint(_) => (Arithmetic, 1),
+        Op::DCmpUint(_) | Op::DTest(_) | Op::DAbsSint | Op::DSignSint => (Arithmetic, 1),
+        Op::Cast(Cast::RealBits | Cast::BitsReal) => (Free, 0),
+        Op::Cast(_) | Op::Select(_) => (Arithmetic, 1),
+        Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (Arithmetic, 1),
+        Op::Load(_) => (Load, 1),
+        Op::Save(_) => (Store, 1),
+        Op::Atomic(_) => (Store, 2),
+        Op::Sample | Op::Texel => (Texture, 1),
+        Op::Move(_)
+        | Op::Store(_)
+        | Op::Gather(..)
+        | Op::Scatter(..)
+        | Op::ArrayLength(_)
+        | Op::ImageSize
+        | Op::Nop
+        | Op::If(_)
+        | Op::Else(_)
+        | Op::EndIf(_)
+        | Op::Loop
+        | Op::Continuing(_)
+        | Op::BreakIf
+        | Op::Again(_)
+        | Op::LoopEnd(_)
+        | Op::Switch
+        | Op::Case(_)
+        | Op::CaseSkip(_)
+        | Op::CaseEnd
+        | Op::SwitchEnd(_)
+        | Op::Break
+        | Op::Continue
+        | Op::Return
+        | Op::Kill
+        | Op::Barrier
+        | Op::Call(_)
+        | Op::End => (Free, 0),
+    };
+    Price { kind, weight: each * inst.groups }
+}

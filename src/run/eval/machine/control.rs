@@ -1,0 +1,188 @@
+//! Control flow of many invocations: which of them are where.
+
+use super::super::code::{LANES, Op};
+use super::super::real::Real;
+use super::{HELD, Machine, Stopped};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    If,
+    Loop,
+    Switch,
+    Call,
+}
+
+/// A construct that lanes are in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    kind: Kind,
+    /// `if`: lanes of the else branch. Loop, switch: lanes that left it. Call: all lanes.
+    first: u64,
+    /// `if`: lanes done with the first branch. Loop: lanes that continue. Switch: all
+    /// lanes. Call: where to go back.
+    second: u64,
+}
+
+impl Frame {
+    pub fn call(lanes: u64, back: usize) -> Frame {
+        Frame { kind: Kind::Call, first: lanes, second: back as u64 }
+    }
+}
+
+const INSIDE: &str = "constructs are closed in the order they were opened";
+
+impl<R: Real> Machine<'_, '_, R> {
+    /// The lanes in which a bool is true.
+    fn lanes_of(&self, reg: u32) -> u64 {
+        let column = self.words[reg as usize].as_ref().expect(HELD);
+        let mut lanes = 0;
+        for (i, chunk) in column.chunks_exact(8).enumerate() {
+            let mut byte = 0;
+            for (bit, &word) in chunk.iter().enumerate() {
+                byte |= u64::from(word) << bit;
+            }
+            lanes |= byte << (8 * i);
+        }
+        lanes
+    }
+
+    /// An instruction that changes which lanes are active; where to go on if not behind it.
+    pub(super) fn branch(&mut self, op: Op, head: &[u32]) -> Option<u32> {
+        match op {
+            Op::If(target) => {
+                let yes = self.active & self.lanes_of(head[0]);
+                let no = self.active & !yes;
+                self.frames.push(Frame { kind: Kind::If, first: no, second: 0 });
+                self.set(yes);
+                (yes == 0).then_some(target)
+            }
+            Op::Else(target) => {
+                let frame = self.frames.last_mut().expect(INSIDE);
+                frame.second = self.active;
+                let no = std::mem::take(&mut frame.first);
+                self.set(no);
+                (no == 0).then_some(target)
+            }
+            Op::EndIf(skip) => {
+                let frame = self.frames.pop().expect(INSIDE);
+                self.set(self.active | frame.first | frame.second);
+                (self.active == 0).then_some(skip)
+            }
+            Op::Loop => {
+                self.frames.push(Frame { kind: Kind::Loop, first: 0, second: 0 });
+                None
+            }
+            Op::Continuing(leave) => {
+                let frame = self.frames.last_mut().expect(INSIDE);
+                let back = std::mem::take(&mut frame.second);
+                self.set(self.active | back);
+                (self.active == 0).then_some(leave)
+            }
+            Op::BreakIf => {
+                let out = self.active & self.lanes_of(head[0]);
+                self.frames.last_mut().expect(INSIDE).first |= out;
+                self.set(self.active & !out);
+                None
+            }
+            Op::LoopEnd(skip) => {
+                let frame = self.frames.pop().expect(INSIDE);
+                self.set(frame.first);
+                (self.active == 0).then_some(skip)
+            }
+            Op::Switch => {
+                self.frames.push(Frame { kind: Kind::Switch, first: 0, second: self.active });
+                self.set(0);
+                None
+            }
+            Op::Case(table) => {
+                let values = &self.program.values[table as usize];
+                let column = self.words[head[0] as usize].as_ref().expect(HELD);
+                let mut found = 0;
+                for (lane, word) in column.iter().enumerate() {
+                    found |= u64::from(values.bits.contains(word)) << lane;
+                }
+                let all = self.frames.last().expect(INSIDE).second;
+                let taken = if values.default { all & !found } else { all & found };
+                self.set(self.active | taken);
+                None
+            }
+            Op::CaseSkip(target) => (self.active == 0).then_some(target),
+            Op::CaseEnd => {
+                self.frames.last_mut().expect(INSIDE).first |= self.active;
+                self.set(0);
+                None
+            }
+            Op::SwitchEnd(skip) => {
+                let frame = self.frames.pop().expect(INSIDE);
+                self.set(self.active | frame.first);
+                (self.active == 0).then_some(skip)
+            }
+            Op::Break => {
+                let out = self.active;
+                let inner =
+                    self.frames.iter_mut().rev().find(|f| f.kind != Kind::If).expect(INSIDE);
+                inner.first |= out;
+                self.set(0);
+                None
+            }
+            Op::Continue => {
+                let back = self.active;
+                let inner =
+                    self.frames.iter_mut().rev().find(|f| f.kind == Kind::Loop).expect(INSIDE);
+                inner.second |= back;
+                self.set(0);
+                None
+            }
+            Op::Return => {
+                self.set(0);
+                None
+            }
+            Op::Kill => {
+                self.killed |= self.active;
+                self.set(0);
+                None
+            }
+            other => unreachable!("{other:?} is no branch"),
+        }
+    }
+
+    /// The end of a function: where its caller goes on, if it has one.
+    pub(super) fn end(&mut self) -> Option<usize> {
+        let frame = self.frames.pop()?;
+        self.set(frame.first & !self.killed);
+        Some(frame.second as usize)
+    }
+
+    /// Whether all lanes of the batch that are still there are active.
+    pub(super) fn together(&self) -> bool {
+        self.frames.iter().all(|frame| match frame.kind {
+            Kind::If => frame.first | frame.second == 0,
+            Kind::Loop => frame.first | frame.second == 0,
+            Kind::Switch => frame.second & !frame.first & !self.active == 0,
+            Kind::Call => frame.first & !self.killed == self.active,
+        })
+    }
+
+    /// One iteration of a loop more.
+    pub(super) fn tick(&mut self, pc: usize) -> Result<(), Stopped> {
+        self.batch_steps = self.batch_steps.saturating_add(1);
+        if self.active == u64::MAX {
+            self.steps.iter_mut().for_each(|n| *n = n.wrapping_add(1));
+        } else {
+            for lane in 0..LANES {
+                self.steps[lane] = self.steps[lane].wrapping_add((self.active >> lane & 1) as u32);
+            }
+        }
+        if self.batch_steps >= self.budget && self.steps.iter().any(|&n| n >= self.budget) {
+            return Err(Stopped::Budget(self.program.origins[pc]));
+        }
+        if self.batch_steps % 1024 == 0 {
+            if let Some(deadline) = self.deadline {
+                if std::time::Instant::now() > deadline {
+                    return Err(Stopped::Deadline(self.program.origins[pc]));
+                }
+            }
+        }
+        Ok(())
+    }
+}

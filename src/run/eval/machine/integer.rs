@@ -1,0 +1,246 @@
+//! Integers of 32 bits and bools. They wrap; a division by zero gives the dividend, a
+//! remainder by zero gives 0 (WGSL §8.7), a shift takes the low five bits of its width.
+
+use super::super::code::{Class, Cmp, I1, I2, LANES};
+use super::super::real::Real;
+use super::kernel::{blend, map1, map2};
+use super::{Machine, column, take};
+
+pub(super) fn one(f: I1, x: u32) -> u32 {
+    match f {
+        I1::Neg => x.wrapping_neg(),
+        I1::Not => !x,
+        I1::LogicalNot => x ^ 1,
+        I1::AbsSint => (x as i32).wrapping_abs() as u32,
+        I1::SignSint => (x as i32).signum() as u32,
+        I1::TrailingZeros => x.trailing_zeros(),
+        I1::LeadingZeros => x.leading_zeros(),
+        I1::Ones => x.count_ones(),
+        I1::Reverse => x.reverse_bits(),
+        I1::FirstTrailing => {
+            if x == 0 {
+                u32::MAX
+            } else {
+                x.trailing_zeros()
+            }
+        }
+        I1::FirstLeadingUint => 31u32.wrapping_sub(x.leading_zeros()),
+        I1::FirstLeadingSint => {
+            let sign = ((x as i32) >> 31) as u32;
+            31u32.wrapping_sub((x ^ sign).leading_zeros())
+        }
+        I1::Narrow16Sint => i32::from(x as i16) as u32,
+        I1::Narrow16Uint => u32::from(x as u16),
+    }
+}
+
+pub(super) fn two(f: I2, a: u32, b: u32) -> u32 {
+    let (x, y) = (a as i32, b as i32);
+    match f {
+        I2::Add => a.wrapping_add(b),
+        I2::Sub => a.wrapping_sub(b),
+        I2::Mul => a.wrapping_mul(b),
+        I2::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u32,
+        I2::DivUint => a.checked_div(b).unwrap_or(a),
+        I2::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u32,
+        I2::RemUint => a.checked_rem(b).unwrap_or(0),
+        I2::And => a & b,
+        I2::Or => a | b,
+        I2::Xor => a ^ b,
+        I2::Shl => a.wrapping_shl(b),
+        I2::ShrSint => x.wrapping_shr(b) as u32,
+        I2::ShrUint => a.wrapping_shr(b),
+        I2::MinSint => x.min(y) as u32,
+        I2::MinUint => a.min(b),
+        I2::MaxSint => x.max(y) as u32,
+        I2::MaxUint => a.max(b),
+        I2::Dot4Sint => {
+            let products = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
+            products.map(|(a, b)| i32::from(a as i8) * i32::from(b as i8)).sum::<i32>() as u32
+        }
+        I2::Dot4Uint => {
+            let products = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
+            products.map(|(a, b)| u32::from(a) * u32::from(b)).sum()
+        }
+    }
+}
+
+/// `count` bits from `offset` on, both cut to what a word has: WGSL §17.7.
+pub(super) fn extract(signed: bool, x: u32, offset: u32, count: u32) -> u32 {
+    let offset = offset.min(32);
+    let count = count.min(32 - offset);
+    if count == 0 {
+        return 0;
+    }
+    let up = x << (32 - count - offset);
+    if signed { ((up as i32) >> (32 - count)) as u32 } else { up >> (32 - count) }
+}
+
+/// The same bits replaced.
+pub(super) fn insert(x: u32, new: u32, offset: u32, count: u32) -> u32 {
+    let offset = offset.min(32);
+    let count = count.min(32 - offset);
+    if count == 0 {
+        return x;
+    }
+    let mask = u32::MAX >> (32 - count) << offset;
+    x & !mask | new << offset & mask
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    pub(super) fn i1(&mut self, f: I1, operands: &[u32]) {
+        for group in operands.chunks_exact(2) {
+            let mut to = take(&mut self.words, group[0]);
+            let a = column(&self.words, group[1]);
+            match f {
+                I1::LogicalNot => map1(&mut to, a, |x| x ^ 1),
+                I1::Neg => map1(&mut to, a, u32::wrapping_neg),
+                I1::Not => map1(&mut to, a, |x: u32| !x),
+                _ => map1(&mut to, a, |x| one(f, x)),
+            }
+            self.words[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn i2(&mut self, f: I2, operands: &[u32]) {
+        for group in operands.chunks_exact(3) {
+            let mut to = take(&mut self.words, group[0]);
+            let (a, b) = (column(&self.words, group[1]), column(&self.words, group[2]));
+            match f {
+                I2::Add => map2(&mut to, a, b, u32::wrapping_add),
+                I2::Sub => map2(&mut to, a, b, u32::wrapping_sub),
+                I2::Mul => map2(&mut to, a, b, u32::wrapping_mul),
+                I2::And => map2(&mut to, a, b, |a: u32, b: u32| a & b),
+                I2::Or => map2(&mut to, a, b, |a: u32, b: u32| a | b),
+                I2::Xor => map2(&mut to, a, b, |a: u32, b: u32| a ^ b),
+                _ => map2(&mut to, a, b, |a, b| two(f, a, b)),
+            }
+            self.words[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn compare_words(&mut self, cmp: Cmp, signed: bool, operands: &[u32]) {
+        for group in operands.chunks_exact(3) {
+            let mut to = take(&mut self.words, group[0]);
+            let (a, b) = (column(&self.words, group[1]), column(&self.words, group[2]));
+            // Adding 2^31 puts signed numbers in the order of unsigned ones.
+            let flip = if signed { 1 << 31 } else { 0 };
+            match cmp {
+                Cmp::Eq => map2(&mut to, a, b, |a, b| u32::from(a == b)),
+                Cmp::Ne => map2(&mut to, a, b, |a, b| u32::from(a != b)),
+                Cmp::Lt => map2(&mut to, a, b, |a, b| u32::from(a ^ flip < b ^ flip)),
+                Cmp::Le => map2(&mut to, a, b, |a, b| u32::from(a ^ flip <= b ^ flip)),
+                Cmp::Gt => map2(&mut to, a, b, |a, b| u32::from(a ^ flip > b ^ flip)),
+                Cmp::Ge => map2(&mut to, a, b, |a, b| u32::from(a ^ flip >= b ^ flip)),
+            }
+            self.words[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn extract(&mut self, signed: bool, operands: &[u32]) {
+        for group in operands.chunks_exact(4) {
+            let mut to = take(&mut self.words, group[0]);
+            let [a, b, c] = [1, 2, 3].map(|i| column(&self.words, group[i]));
+            for lane in 0..LANES {
+                to[lane] = extract(signed, a[lane], b[lane], c[lane]);
+            }
+            self.words[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn insert(&mut self, operands: &[u32]) {
+        for group in operands.chunks_exact(5) {
+            let mut to = take(&mut self.words, group[0]);
+            let [a, b, c, d] = [1, 2, 3, 4].map(|i| column(&self.words, group[i]));
+            for lane in 0..LANES {
+                to[lane] = insert(a[lane], b[lane], c[lane], d[lane]);
+            }
+            self.words[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn select(&mut self, class: Class, operands: &[u32]) {
+        macro_rules! choose {
+            ($file:ident) => {
+                for group in operands.chunks_exact(4) {
+                    let mut to = take(&mut self.$file, group[0]);
+                    let condition = column(&self.words, group[1]);
+                    let (yes, no) = (column(&self.$file, group[2]), column(&self.$file, group[3]));
+                    *to = *no;
+                    blend(&mut to, yes, condition);
+                    self.$file[group[0] as usize] = Some(to);
+                }
+            };
+        }
+        match class {
+            Class::Real => choose!(reals),
+            Class::Wide => choose!(wides),
+            Class::Word => {
+                for group in operands.chunks_exact(4) {
+                    let mut to = take(&mut self.words, group[0]);
+                    let [c, yes, no] = [1, 2, 3].map(|i| column(&self.words, group[i]));
+                    for lane in 0..LANES {
+                        to[lane] = if c[lane] != 0 { yes[lane] } else { no[lane] };
+                    }
+                    self.words[group[0] as usize] = Some(to);
+                }
+            }
+        }
+    }
+
+    /// A copy of all lanes.
+    pub(super) fn shift(&mut self, class: Class, operands: &[u32]) {
+        macro_rules! copy {
+            ($file:ident) => {
+                for group in operands.chunks_exact(2) {
+                    if group[0] != group[1] {
+                        let mut to = take(&mut self.$file, group[0]);
+                        *to = *column(&self.$file, group[1]);
+                        self.$file[group[0] as usize] = Some(to);
+                    }
+                }
+            };
+        }
+        match class {
+            Class::Real => copy!(reals),
+            Class::Word => copy!(words),
+            Class::Wide => copy!(wides),
+        }
+    }
+
+    /// A copy of the active lanes.
+    pub(super) fn store(&mut self, class: Class, operands: &[u32]) {
+        if self.active == u64::MAX {
+            return self.shift(class, operands);
+        }
+        if self.active == 0 {
+            return;
+        }
+        self.expand_mask();
+        macro_rules! copy {
+            ($file:ident) => {
+                for group in operands.chunks_exact(2) {
+                    if group[0] != group[1] {
+                        let mut to = take(&mut self.$file, group[0]);
+                        blend(&mut to, column(&self.$file, group[1]), &self.mask);
+                        self.$file[group[0] as usize] = Some(to);
+                    }
+                }
+            };
+        }
+        match class {
+            Class::Real => copy!(reals),
+            Class::Word => copy!(words),
+            Class::Wide => copy!(wides),
+        }
+    }
+
+    fn expand_mask(&mut self) {
+        if self.mask_of != self.active {
+            for (lane, mask) in self.mask.iter_mut().enumerate() {
+                *mask = ((self.active >> lane & 1) as u32).wrapping_neg();
+            }
+            self.mask_of = self.active;
+        }
+    }
+}

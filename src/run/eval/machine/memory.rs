@@ -1,0 +1,315 @@
+//! Loads and stores: buffers by their bytes, variables by an index, images by the texel.
+//!
+//! An index past the end is taken as the last one; what a buffer does not hold reads as
+//! zero and is not written (WGSL §2.2 leaves the choice).
+
+use super::super::code::{Access, Bound, Change, Class, Dynamic, LANES, Stored};
+use super::super::real::Real;
+use super::integer::two;
+use super::{HELD, Machine, column, take};
+
+/// Elements an index may name.
+pub(super) fn elements(bound: Bound, bytes: usize) -> u32 {
+    match bound {
+        Bound::Known(len) => len,
+        Bound::Runtime { offset, stride } => {
+            let room = bytes.saturating_sub(offset as usize);
+            let stride = (stride as usize).max(1);
+            u32::try_from(room / stride).unwrap_or(u32::MAX)
+        }
+    }
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    /// What the indices of a lane add up to.
+    pub(super) fn way(&self, access: &Access, head: &[u32], lane: usize, class: usize) -> usize {
+        let bytes = self.buffers.get(access.buffer as usize).map_or(0, |b| b.bytes.len());
+        let step = |(reg, dynamic): (&u32, &Dynamic)| {
+            let index = column(&self.words, *reg)[lane];
+            let last = elements(dynamic.bound, bytes).saturating_sub(1);
+            index.min(last) as usize * dynamic.strides[class] as usize
+        };
+        head.iter().zip(&access.dynamics).map(step).sum()
+    }
+
+    /// A lane to ask for all, if the active ones agree in their indices.
+    fn agreed(&self, head: &[u32]) -> Option<usize> {
+        let first = (self.active.trailing_zeros() as usize).min(LANES - 1);
+        let agree = head.iter().all(|&reg| {
+            let column = column(&self.words, reg);
+            let one = column[first];
+            column.iter().all(|&index| index == one)
+                || (0..LANES).all(|lane| self.active >> lane & 1 == 0 || column[lane] == one)
+        });
+        agree.then_some(first)
+    }
+
+    pub(super) fn load<const WATCH: bool>(
+        &mut self,
+        access: u32,
+        head: &[u32],
+        operands: &[u32],
+    ) {
+        let access = &self.program.accesses[access as usize];
+        let buffer = access.buffer as usize;
+        if let Some(first) = self.agreed(head) {
+            let way = self.way(access, head, first, 0);
+            for group in operands.chunks_exact(3) {
+                let stored = Stored::ALL[group[2] as usize];
+                let at = group[1] as usize + way;
+                let bits = self.fetch(buffer, at, stored);
+                match stored {
+                    Stored::F32 | Stored::F16 => {
+                        let value = R::narrow(f32::from_bits(bits as u32));
+                        **self.reals[group[0] as usize].as_mut().expect(HELD) = [value; LANES];
+                    }
+                    Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
+                        let to = self.words[group[0] as usize].as_mut().expect(HELD);
+                        **to = [bits as u32; LANES];
+                    }
+                    Stored::B64 => {
+                        **self.wides[group[0] as usize].as_mut().expect(HELD) = [bits; LANES];
+                    }
+                }
+                if WATCH && self.active != 0 {
+                    self.mark(buffer, at, stored);
+                }
+            }
+            return;
+        }
+        let mut ways = [0; LANES];
+        let mut rest = self.active;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize;
+            ways[lane] = self.way(access, head, lane, 0);
+            rest &= rest - 1;
+        }
+        for group in operands.chunks_exact(3) {
+            let stored = Stored::ALL[group[2] as usize];
+            let mut rest = self.active;
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let at = group[1] as usize + ways[lane];
+                let bits = self.fetch(buffer, at, stored);
+                self.put(group[0], stored, lane, bits);
+                if WATCH {
+                    self.mark(buffer, at, stored);
+                }
+            }
+        }
+    }
+
+    /// The bits at a byte, as a register has them; zero past the end.
+    fn fetch(&self, buffer: usize, at: usize, stored: Stored) -> u64 {
+        let bytes = &self.buffers[buffer].bytes;
+        let Some(from) = bytes.get(at..at + stored.width()) else {
+            return 0;
+        };
+        let mut word = [0; 8];
+        word[..from.len()].copy_from_slice(from);
+        let bits = u64::from_le_bytes(word);
+        match stored {
+            Stored::F32 | Stored::B32 | Stored::U16 | Stored::B64 => bits,
+            Stored::F16 => {
+                u64::from(half::f16::from_bits(bits as u16).to_f32().to_bits())
+            }
+            Stored::I16 => u64::from(i32::from(bits as u16 as i16) as u32),
+            Stored::Bool => u64::from(bits != 0),
+        }
+    }
+
+    fn put(&mut self, reg: u32, stored: Stored, lane: usize, bits: u64) {
+        match stored {
+            Stored::F32 | Stored::F16 => {
+                let value = R::narrow(f32::from_bits(bits as u32));
+                self.reals[reg as usize].as_mut().expect(HELD)[lane] = value;
+            }
+            Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
+                self.words[reg as usize].as_mut().expect(HELD)[lane] = bits as u32;
+            }
+            Stored::B64 => self.wides[reg as usize].as_mut().expect(HELD)[lane] = bits,
+        }
+    }
+
+    /// Notes that those bytes were read.
+    fn mark(&mut self, buffer: usize, at: usize, stored: Stored) {
+        let read = &mut self.buffers[buffer].read;
+        for byte in at..at + stored.width() {
+            if let Some(word) = read.get_mut(byte / 64) {
+                *word |= 1 << (byte % 64);
+            }
+        }
+    }
+
+    pub(super) fn save(&mut self, access: u32, head: &[u32], operands: &[u32]) {
+        let access = &self.program.accesses[access as usize];
+        let mut rest = self.active;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let way = self.way(access, head, lane, 0);
+            for group in operands.chunks_exact(3) {
+                let stored = Stored::ALL[group[2] as usize];
+                let bits = match stored {
+                    Stored::F32 => {
+                        u64::from(column(&self.reals, group[0])[lane].single().to_bits())
+                    }
+                    Stored::F16 => {
+                        let single = column(&self.reals, group[0])[lane].single();
+                        u64::from(half::f16::from_f32(single).to_bits())
+                    }
+                    Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
+                        u64::from(column(&self.words, group[0])[lane])
+                    }
+                    Stored::B64 => column(&self.wides, group[0])[lane],
+                };
+                let at = group[1] as usize + way;
+                self.write(access.buffer as usize, at, stored, bits);
+            }
+        }
+    }
+
+    fn write(&mut self, buffer: usize, at: usize, stored: Stored, bits: u64) {
+        let bytes = self.buffers[buffer].bytes.to_mut();
+        if let Some(to) = bytes.get_mut(at..at + stored.width()) {
+            to.copy_from_slice(&bits.to_le_bytes()[..stored.width()]);
+        }
+    }
+
+    pub(super) fn gather(&mut self, class: Class, access: u32, head: &[u32], operands: &[u32]) {
+        let access = &self.program.accesses[access as usize];
+        let agreed = self.agreed(head);
+        macro_rules! from {
+            ($file:ident) => {
+                for group in operands.chunks_exact(2) {
+                    let mut to = take(&mut self.$file, group[0]);
+                    if let Some(first) = agreed {
+                        let reg = group[1] + self.way(access, head, first, class as usize) as u32;
+                        *to = *column(&self.$file, reg);
+                    } else {
+                        let mut rest = self.active;
+                        while rest != 0 {
+                            let lane = rest.trailing_zeros() as usize;
+                            rest &= rest - 1;
+                            let way = self.way(access, head, lane, class as usize) as u32;
+                            to[lane] = column(&self.$file, group[1] + way)[lane];
+                        }
+                    }
+                    self.$file[group[0] as usize] = Some(to);
+                }
+            };
+        }
+        match class {
+            Class::Real => from!(reals),
+            Class::Word => from!(words),
+            Class::Wide => from!(wides),
+        }
+    }
+
+    pub(super) fn scatter(&mut self, class: Class, access: u32, head: &[u32], operands: &[u32]) {
+        let access = &self.program.accesses[access as usize];
+        let mut rest = self.active;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let way = self.way(access, head, lane, class as usize);
+            macro_rules! into {
+                ($file:ident) => {
+                    for group in operands.chunks_exact(2) {
+                        let value = column(&self.$file, group[0])[lane];
+                        let reg = group[1] as usize + way;
+                        self.$file[reg].as_mut().expect(HELD)[lane] = value;
+                    }
+                };
+            }
+            match class {
+                Class::Real => into!(reals),
+                Class::Word => into!(words),
+                Class::Wide => into!(wides),
+            }
+        }
+    }
+
+    /// One lane after the other.
+    pub(super) fn atomic<const WATCH: bool>(
+        &mut self,
+        access: u32,
+        head: &[u32],
+        operands: &[u32],
+    ) {
+        let access = &self.program.accesses[access as usize];
+        let [old, exchanged, value, compare, offset, _] = *operands else {
+            unreachable!("an atomic has six operands");
+        };
+        let buffer = access.buffer as usize;
+        let mut rest = self.active;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let at = offset as usize + self.way(access, head, lane, 0);
+            let before = self.fetch(buffer, at, Stored::B32) as u32;
+            if WATCH {
+                self.mark(buffer, at, Stored::B32);
+            }
+            let value = column(&self.words, value)[lane];
+            let same = column(&self.words, compare)[lane] == before;
+            let after = match access.change {
+                Some(Change::Int(f)) => two(f, before, value),
+                Some(Change::CompareExchange) if !same => before,
+                Some(Change::Exchange | Change::CompareExchange) | None => value,
+            };
+            self.write(buffer, at, Stored::B32, u64::from(after));
+            self.put(old, Stored::B32, lane, u64::from(before));
+            self.put(exchanged, Stored::B32, lane, u64::from(same));
+        }
+    }
+
+    pub(super) fn array_length(&mut self, access: u32, operands: &[u32]) {
+        let access = &self.program.accesses[access as usize];
+        let bytes = self.buffers[access.buffer as usize].bytes.len();
+        let len = elements(access.dynamics[0].bound, bytes);
+        **self.words[operands[0] as usize].as_mut().expect(HELD) = [len; LANES];
+    }
+
+    fn color(&mut self, to: &[u32], lane: usize, texel: [f32; 4]) {
+        for (reg, value) in to.iter().zip(texel) {
+            self.reals[*reg as usize].as_mut().expect(HELD)[lane] = R::narrow(value);
+        }
+    }
+
+    pub(super) fn sample(&mut self, operands: &[u32]) {
+        for lane in 0..LANES {
+            let number = column(&self.words, operands[4])[lane] as usize;
+            let [u, v] = [5, 6].map(|i| column(&self.reals, operands[i])[lane].double());
+            let Some(image) = self.images.get(number) else { continue };
+            let wrap = |x: f64, size: u32| {
+                ((x - x.floor()) * f64::from(size)).min(f64::from(size.saturating_sub(1))) as usize
+            };
+            let at = wrap(v, image.height) * image.width as usize + wrap(u, image.width);
+            let texel = image.texels.get(at).copied().unwrap_or_default();
+            self.color(&operands[..4], lane, texel);
+        }
+    }
+
+    pub(super) fn texel(&mut self, operands: &[u32]) {
+        for lane in 0..LANES {
+            let [number, x, y] = [4, 5, 6].map(|i| column(&self.words, operands[i])[lane]);
+            let Some(image) = self.images.get(number as usize) else { continue };
+            let inside = x < image.width && y < image.height;
+            let at = y as usize * image.width as usize + x as usize;
+            let texel = image.texels.get(at).filter(|_| inside).copied().unwrap_or_default();
+            self.color(&operands[..4], lane, texel);
+        }
+    }
+
+    pub(super) fn image_size(&mut self, operands: &[u32]) {
+        for lane in 0..LANES {
+            let number = column(&self.words, operands[2])[lane] as usize;
+            let size = self.images.get(number).map_or([0; 2], |i| [i.width, i.height]);
+            for (reg, size) in operands[..2].iter().zip(size) {
+                self.put(*reg, Stored::B32, lane, u64::from(size));
+            }
+        }
+    }
+}

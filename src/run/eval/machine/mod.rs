@@ -1,0 +1,276 @@
+//! Runs a program over 64 invocations at a time, in one precision.
+//!
+//! Reads a [`Program`], fed by [`call`](super::call) and [`stage`](super::stage). A mask
+//! says which invocations a branch concerns. Values are computed for all lanes, whether
+//! they are active or not, except where that is dear; only stores look at the mask.
+
+mod cast;
+mod control;
+mod float;
+mod integer;
+mod kernel;
+mod memory;
+mod watch;
+mod wide;
+
+use std::borrow::Cow;
+use std::time::Instant;
+
+use super::code::{Class, LANES, Op, Origin, Reg};
+use super::counts::Tally;
+use super::program::Program;
+use super::real::Real;
+use control::Frame;
+pub(super) use watch::Watch;
+
+/// One scalar of all lanes.
+pub(super) type Column<T> = Box<[T; LANES]>;
+
+/// A buffer while it is used.
+pub(super) struct Memory<'j> {
+    pub bytes: Cow<'j, [u8]>,
+    /// Which bytes were read; empty where nobody asks.
+    pub read: Vec<u64>,
+}
+
+/// An image while it is used.
+#[derive(Clone, Copy)]
+pub(super) struct Image<'j> {
+    pub width: u32,
+    pub height: u32,
+    pub texels: &'j [[f32; 4]],
+}
+
+/// Why a run stopped before its end.
+#[derive(Clone, Debug)]
+pub(super) enum Stopped {
+    /// A loop had no end within the budget.
+    Budget(Origin),
+    /// The time was up.
+    Deadline(Origin),
+    /// A barrier that some invocations do not come to, or of more than a batch.
+    Barrier(Origin),
+}
+
+pub(super) struct Machine<'p, 'j, R> {
+    pub program: &'p Program,
+    reals: Vec<Option<Column<R>>>,
+    words: Vec<Option<Column<u32>>>,
+    wides: Vec<Option<Column<u64>>>,
+    pub buffers: Vec<Memory<'j>>,
+    pub images: Vec<Image<'j>>,
+    /// Lanes at work.
+    active: u64,
+    /// How many.
+    count: u64,
+    /// Lanes that were discarded.
+    pub killed: u64,
+    frames: Vec<Frame>,
+    /// The active lanes as all ones, as of `mask_of`.
+    mask: [u32; LANES],
+    mask_of: u64,
+    /// Iterations of loops of each lane, and of the batch: no lane has more.
+    steps: [u32; LANES],
+    batch_steps: u32,
+    /// Iterations of loops one invocation may take.
+    pub budget: u32,
+    pub deadline: Option<Instant>,
+    /// Whether all invocations of a workgroup are in a batch.
+    pub barriers: bool,
+    pub tally: Tally,
+    pub watch: Option<Box<Watch>>,
+}
+
+impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
+    pub fn new(program: &'p Program) -> Machine<'p, 'j, R> {
+        let [reals, words, wides] = program.registers;
+        let [real, word, wide] = &program.constants;
+        let number = |bits: u64| R::narrow(f32::from_bits(bits as u32));
+        Machine {
+            program,
+            reals: columns(reals, real, number),
+            words: columns(words, word, |bits| bits as u32),
+            wides: columns(wides, wide, |bits| bits),
+            buffers: Vec::new(),
+            images: Vec::new(),
+            active: 0,
+            count: 0,
+            killed: 0,
+            frames: Vec::with_capacity(64),
+            mask: [0; LANES],
+            mask_of: 0,
+            steps: [0; LANES],
+            batch_steps: 0,
+            budget: u32::MAX,
+            deadline: None,
+            barriers: false,
+            tally: Tally::new(program.functions.len()),
+            watch: None,
+        }
+    }
+
+    /// Runs a function over the lanes of a mask, private variables as they start out.
+    pub fn invoke(&mut self, function: u32, start: u32, lanes: u64) -> Result<(), Stopped> {
+        self.killed = 0;
+        self.steps = [0; LANES];
+        self.batch_steps = 0;
+        if let Ok(code) = &self.program.start {
+            if let Ok(globals) = code.state {
+                self.go(globals, lanes)?;
+            }
+        }
+        self.tally.calls[function as usize] += u64::from(lanes.count_ones());
+        self.go(start, lanes)
+    }
+
+    fn go(&mut self, pc: u32, lanes: u64) -> Result<(), Stopped> {
+        self.frames.clear();
+        self.set(lanes);
+        match self.watch {
+            None => self.run::<false>(pc as usize),
+            Some(_) => self.run::<true>(pc as usize),
+        }
+    }
+
+    fn run<const WATCH: bool>(&mut self, mut pc: usize) -> Result<(), Stopped> {
+        let program = self.program;
+        loop {
+            let inst = program.code[pc];
+            let cost = program.costs[pc];
+            self.tally.kinds[cost.kind as usize] += u64::from(cost.weight) * self.count;
+            let from = inst.at as usize;
+            let pool = &program.pool[from..from + inst.operands()];
+            let (head, operands) = pool.split_at(usize::from(inst.head));
+            if WATCH {
+                self.inspect(pc, inst.op, head, operands);
+            }
+            let this = pc;
+            pc += 1;
+            match inst.op {
+                Op::F1(f) => self.f1(f, operands),
+                Op::F2(f) => self.f2(f, operands),
+                Op::F3(f) => self.f3(f, operands),
+                Op::FCmp(cmp) => self.compare_reals(cmp, operands),
+                Op::FTest(test) => self.test_reals(test, operands),
+                Op::Ldexp => self.ldexp(operands),
+                Op::Dot(n) => self.dot(usize::from(n), operands),
+                Op::Length(n) => self.length(usize::from(n), operands),
+                Op::Distance(n) => self.distance(usize::from(n), operands),
+                Op::Normalize(n) => self.normalize(usize::from(n), operands),
+                Op::Cross => self.cross(operands),
+                Op::I1(f) => self.i1(f, operands),
+                Op::I2(f) => self.i2(f, operands),
+                Op::CmpSint(cmp) => self.compare_words(cmp, true, operands),
+                Op::CmpUint(cmp) => self.compare_words(cmp, false, operands),
+                Op::ExtractSint => self.extract(true, operands),
+                Op::ExtractUint => self.extract(false, operands),
+                Op::Insert => self.insert(operands),
+                Op::D1(_)
+                | Op::DNeg
+                | Op::DNot
+                | Op::D2(_)
+                | Op::D3(_)
+                | Op::DCmp(_)
+                | Op::DCmpSint(_)
+                | Op::DCmpUint(_)
+                | Op::DTest(_)
+                | Op::DAbsSint
+                | Op::DSignSint
+                | Op::DDot(_) => self.wide(inst.op, operands),
+                Op::Cast(cast) => self.cast(cast, operands),
+                Op::Select(class) => self.select(class, operands),
+                Op::Move(class) => self.shift(class, operands),
+                Op::Store(class) => self.store(class, operands),
+                Op::Load(access) => self.load::<WATCH>(access, head, operands),
+                Op::Save(access) => self.save(access, head, operands),
+                Op::Gather(class, access) => self.gather(class, access, head, operands),
+                Op::Scatter(class, access) => self.scatter(class, access, head, operands),
+                Op::Atomic(access) => self.atomic::<WATCH>(access, head, operands),
+                Op::ArrayLength(access) => self.array_length(access, operands),
+                Op::Sample => self.sample(operands),
+                Op::Texel => self.texel(operands),
+                Op::ImageSize => self.image_size(operands),
+                Op::DerivativeFine(axis) => self.derivative(axis, true, operands),
+                Op::DerivativeCoarse(axis) => self.derivative(axis, false, operands),
+                Op::End => match self.end() {
+                    Some(back) => pc = back,
+                    None => return Ok(()),
+                },
+                Op::Call(function) => {
+                    self.tally.calls[function as usize] += self.count;
+                    self.frames.push(Frame::call(self.active, pc));
+                    pc = program.starts[function as usize] as usize;
+                }
+                Op::Again(target) => {
+                    if self.active != 0 {
+                        self.tick(this)?;
+                        pc = target as usize;
+                    }
+                }
+                Op::Barrier => {
+                    if !self.barriers || !self.together() {
+                        return Err(Stopped::Barrier(program.origins[this]));
+                    }
+                }
+                other => {
+                    if let Some(target) = self.branch(other, head) {
+                        pc = target as usize;
+                    }
+                }
+            }
+            if WATCH {
+                self.look_back(this, inst.op, operands);
+            }
+        }
+    }
+
+    /// Makes those lanes the active ones.
+    #[inline]
+    fn set(&mut self, lanes: u64) {
+        self.active = lanes;
+        self.count = u64::from(lanes.count_ones());
+    }
+
+    /// The column of a packed register of a class.
+    pub fn reals_of(&mut self, reg: Reg) -> &mut [R; LANES] {
+        debug_assert_eq!(reg.class(), Class::Real);
+        self.reals[reg.number() as usize].as_mut().expect(HELD)
+    }
+
+    pub fn words_of(&mut self, reg: Reg) -> &mut [u32; LANES] {
+        self.words[reg.number() as usize].as_mut().expect(HELD)
+    }
+
+    pub fn wides_of(&mut self, reg: Reg) -> &mut [u64; LANES] {
+        self.wides[reg.number() as usize].as_mut().expect(HELD)
+    }
+}
+
+/// Why a column is there: only the results of the instruction at hand are taken out of
+/// the file, and none reads what it writes.
+const HELD: &str = "no instruction reads what it writes";
+
+/// The column of a register.
+#[inline(always)]
+fn column<T>(file: &[Option<Column<T>>], reg: u32) -> &[T; LANES] {
+    file[reg as usize].as_ref().expect(HELD)
+}
+
+/// Takes a column out, to be written while others are read.
+#[inline(always)]
+fn take<T>(file: &mut [Option<Column<T>>], reg: u32) -> Column<T> {
+    file[reg as usize].take().expect(HELD)
+}
+
+fn columns<T: Copy + Default>(
+    count: u32,
+    constants: &[u64],
+    value: impl Fn(u64) -> T,
+) -> Vec<Option<Column<T>>> {
+    (0..count as usize)
+        .map(|i| {
+            let value = constants.get(i).map_or(T::default(), |&bits| value(bits));
+            Some(Box::new([value; LANES]))
+        })
+        .collect()
+}

@@ -1,0 +1,117 @@
+//! Doubles and 64-bit integers: the same operations, in their own width whatever the
+//! precision of the run.
+
+use super::super::code::{Cmp, D2, F1, F2, F3, I2, LANES, Op, Test};
+use super::super::real::Real;
+use super::float::{mix, pow, simple1, smoothstep, step, transcendental};
+use super::{HELD, Machine, column, take};
+
+pub(super) fn int(f: I2, a: u64, b: u64) -> u64 {
+    let (x, y) = (a as i64, b as i64);
+    match f {
+        I2::Add => a.wrapping_add(b),
+        I2::Sub => a.wrapping_sub(b),
+        I2::Mul => a.wrapping_mul(b),
+        I2::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u64,
+        I2::DivUint => a.checked_div(b).unwrap_or(a),
+        I2::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u64,
+        I2::RemUint => a.checked_rem(b).unwrap_or(0),
+        I2::And => a & b,
+        I2::Or => a | b,
+        I2::Xor => a ^ b,
+        I2::Shl => a.wrapping_shl(b as u32),
+        I2::ShrSint => x.wrapping_shr(b as u32) as u64,
+        I2::ShrUint => a.wrapping_shr(b as u32),
+        I2::MinSint => x.min(y) as u64,
+        I2::MinUint => a.min(b),
+        I2::MaxSint => x.max(y) as u64,
+        I2::MaxUint => a.max(b),
+        // Of packed words only.
+        I2::Dot4Sint | I2::Dot4Uint => 0,
+    }
+}
+
+fn float1(f: F1, x: f64) -> f64 {
+    simple1::<f64>(f).map_or_else(|| transcendental(f, x), |f| f(x))
+}
+
+fn float2(f: F2, a: f64, b: f64) -> f64 {
+    match f {
+        F2::Add => a + b,
+        F2::Sub => a - b,
+        F2::Mul => a * b,
+        F2::Div => a / b,
+        F2::Rem => a % b,
+        F2::Min => Real::min(a, b),
+        F2::Max => Real::max(a, b),
+        F2::Step => step(a, b),
+        F2::Pow => pow(a, b),
+        F2::Atan2 => a.atan2(b),
+    }
+}
+
+fn float3(f: F3, a: f64, b: f64, c: f64) -> f64 {
+    match f {
+        F3::Fma => a.mul_add(b, c),
+        F3::Mix => mix(a, b, c),
+        F3::Clamp => Real::min(Real::max(a, b), c),
+        F3::SmoothStep => smoothstep(a, b, c),
+    }
+}
+
+fn compare<T: PartialOrd>(cmp: Cmp, a: T, b: T) -> u32 {
+    u32::from(match cmp {
+        Cmp::Eq => a == b,
+        Cmp::Ne => a != b,
+        Cmp::Lt => a < b,
+        Cmp::Le => a <= b,
+        Cmp::Gt => a > b,
+        Cmp::Ge => a >= b,
+    })
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    pub(super) fn wide(&mut self, op: Op, operands: &[u32]) {
+        let shape = op.shape();
+        let real = f64::from_bits;
+        for group in operands.chunks_exact(shape.len()) {
+            if matches!(op, Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) | Op::DTest(_)) {
+                let to = self.words[group[0] as usize].as_mut().expect(HELD);
+                let a = column(&self.wides, group[1]);
+                let b = column(&self.wides, *group.last().expect("a group has operands"));
+                for lane in 0..LANES {
+                    let (a, b) = (a[lane], b[lane]);
+                    to[lane] = match op {
+                        Op::DCmp(cmp) => compare(cmp, real(a), real(b)),
+                        Op::DCmpSint(cmp) => compare(cmp, a as i64, b as i64),
+                        Op::DCmpUint(cmp) => compare(cmp, a, b),
+                        Op::DTest(Test::IsNan) => u32::from(real(a).is_nan()),
+                        _ => u32::from(real(a).is_infinite()),
+                    };
+                }
+                continue;
+            }
+            let mut to = take(&mut self.wides, group[0]);
+            for lane in 0..LANES {
+                let x = |i: usize| column(&self.wides, group[i])[lane];
+                to[lane] = match op {
+                    Op::D1(f) => float1(f, real(x(1))).to_bits(),
+                    Op::DNeg => x(1).wrapping_neg(),
+                    Op::DNot => !x(1),
+                    Op::D2(D2::Float(f)) => float2(f, real(x(1)), real(x(2))).to_bits(),
+                    Op::D2(D2::Int(f)) => int(f, x(1), x(2)),
+                    Op::D3(f) => float3(f, real(x(1)), real(x(2)), real(x(3))).to_bits(),
+                    Op::DAbsSint => (x(1) as i64).wrapping_abs() as u64,
+                    Op::DSignSint => (x(1) as i64).signum() as u64,
+                    Op::DDot(n) => {
+                        let n = usize::from(n);
+                        let product = |i: usize| real(x(1 + i)) * real(x(1 + n + i));
+                        (1..n).fold(product(0), |sum, i| sum + product(i)).to_bits()
+                    }
+                    other => unreachable!("{other:?} is not of doubles"),
+                };
+            }
+            self.wides[group[0] as usize] = Some(to);
+        }
+    }
+}

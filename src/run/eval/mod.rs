@@ -1,0 +1,54 @@
+//! Our own evaluator of naga IR: many invocations at a time, f32 and f64.
+//!
+//! A [`Module`] is compiled once to a flat [`Program`] ([`compile`]), which the
+//! [`machine`] runs over 64 invocations at a time. [`call`] runs one function,
+//! [`stage`] an entry point, and [`Cpu`] is the [`Reader`](super::reader::Reader).
+//!
+//! What is computed: `f32` is rounded at each operation; `sin`, `exp`, `pow` and the
+//! like are computed in `f64` and rounded; what WGSL and GLSL define by a formula is
+//! that formula in its order. In double precision every `f32` is an `f64`, except what
+//! is stored in buffers and workgroup variables. Where the specifications leave a
+//! result open, [`UndefinedKind`] lists what is noted.
+
+mod call;
+mod code;
+mod compile;
+mod counts;
+mod flatten;
+mod interface;
+mod machine;
+mod pixels;
+mod program;
+mod reader;
+mod real;
+mod stage;
+mod tidy;
+mod undefined;
+mod value;
+
+#[cfg(test)]
+mod tests;
+
+pub use call::{Call, Called, Numbers, Words};
+pub use counts::Counts;
+pub use interface::Port;
+pub use program::{FunctionSignature, Parameter, Program};
+pub use reader::Cpu;
+pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
+pub use undefined::{Divergence, Place, Undefined, UndefinedKind};
+pub use value::{Value, ValueType};
+
+use super::Module;
+
+impl Program {
+    /// Compiles a module; `overrides` are values of its pipeline constants by name or id.
+    ///
+    /// A function that uses what is not supported (storage textures, cube maps, ray
+    /// queries, subgroup operations) is refused where it is run, by what it uses.
+    pub fn new(module: &Module, overrides: &[(String, f64)]) -> Program {
+        let mut program = compile::compile(&module.ir, &module.info, overrides);
+        program.files = module.files.clone();
+        program.bases = module.bases.clone();
+        program
+    }
+}
