@@ -8,6 +8,7 @@ pub mod error;
 pub mod file;
 pub mod layout;
 pub mod lint;
+pub mod lock;
 pub mod parse;
 pub mod port;
 pub mod run;

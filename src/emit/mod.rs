@@ -10,6 +10,7 @@ mod csv;
 pub mod diagnostics;
 mod expand;
 pub mod explain;
+pub mod findings;
 pub mod hex;
 mod json;
 mod listing;

@@ -3,7 +3,11 @@
 //! One file a lint, listed in [`LINTS`]. They read [`ShaderLayout`]s and the
 //! texts behind them; the command asks them and renders their [`Finding`]s.
 
+pub mod allow;
+pub mod digest;
 pub mod finding;
+pub mod fix;
+pub mod run;
 pub mod settings;
 
 mod array_stride_waste;
@@ -25,6 +29,7 @@ mod rules_undeclared;
 mod rust_mirror;
 mod scalar_after_vec3;
 mod stale_comment;
+mod unused_allow;
 mod unused_block;
 mod unused_member;
 mod vec3_array;
@@ -98,6 +103,7 @@ pub const LINTS: &[&Lint] = &[
     &rust_mirror::LINT,
     &scalar_after_vec3::LINT,
     &stale_comment::LINT,
+    &unused_allow::LINT,
     &unused_block::LINT,
     &unused_member::LINT,
     &vec3_array::LINT,
@@ -107,4 +113,9 @@ pub const LINTS: &[&Lint] = &[
 /// The lint of that code.
 pub fn lint(code: &str) -> Option<&'static Lint> {
     LINTS.iter().find(|lint| lint.code == code).copied()
+}
+
+/// The known name nearest to one that is not: two edits away at most.
+pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    crate::parse::nearest(name, known)
 }

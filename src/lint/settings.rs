@@ -2,12 +2,15 @@
 //!
 //! Plain data; the command reads it from `landfall.toml` and its flags.
 
+use serde::{Deserialize, Serialize};
+
 use super::finding::{Level, Place};
 
 /// What lints are told.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Levels by code, later ones first; `warnings` stands for every lint at warn.
+    /// Levels by code, a later one over an earlier one; `warnings` stands for every lint that is at
+    /// warn by then, `all` for every lint.
     pub levels: Vec<(String, Level)>,
     /// The targets whose limits hold.
     pub targets: Vec<Target>,
@@ -22,7 +25,8 @@ pub struct Settings {
 }
 
 /// An API whose guaranteed limits a shader has to keep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Target {
     /// OpenGL 3.3.
     Gl33,
@@ -41,6 +45,11 @@ impl Target {
     pub const ALL: [Target; 5] =
         [Target::Gl33, Target::Gles30, Target::WebGl2, Target::WebGpu, Target::Vulkan];
 
+    /// The target of that name.
+    pub fn from_name(name: &str) -> Option<Target> {
+        Target::ALL.into_iter().find(|target| target.name() == name)
+    }
+
     /// The name on the command line and in the configuration.
     pub fn name(self) -> &'static str {
         match self {
@@ -54,7 +63,7 @@ impl Target {
 }
 
 /// Copies of one block or structure that must have the same layout.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MirrorGroup {
     /// What messages call it.
     pub name: String,
@@ -65,7 +74,7 @@ pub struct MirrorGroup {
 }
 
 /// One copy in a mirror group.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MirrorCopy {
     /// A glob of the shaders it is in; empty for all.
     pub file: String,
@@ -80,7 +89,7 @@ pub struct MirrorCopy {
 }
 
 /// A hand-written table of a block: its size, or where its members are.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// The block's name, or its instance's.
     pub block: String,
@@ -95,7 +104,7 @@ pub struct Table {
 }
 
 /// A number of bytes somebody wrote down.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// Its value.
     pub bytes: u64,
@@ -106,7 +115,7 @@ pub struct Figure {
 }
 
 /// A row of a table.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// `data[3].color`.
     pub path: String,
@@ -115,7 +124,7 @@ pub struct Row {
 }
 
 /// A hand-written mirror.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RustMirror {
     /// The Rust file.
     pub file: String,
