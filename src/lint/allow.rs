@@ -99,7 +99,8 @@ impl Allow {
     }
 
     fn idle(&self, settings: &Settings, asked: impl Fn(&str) -> bool) -> Option<Finding> {
-        let finding = |message: String| Finding::new(UNUSED, &*self.code, self.place.clone(), message);
+        let finding =
+            |message: String| Finding::new(UNUSED, &*self.code, self.place.clone(), message);
         if self.garbled {
             let message = format!("`landfall: {}` is not understood", self.code);
             return Some(finding(message).with_help(
@@ -150,21 +151,26 @@ impl Text<'_> {
     fn read(&self, comment: Range<usize>, found: &mut Vec<Allow>) {
         let whole = &self.text[comment.clone()];
         let body = whole.strip_suffix("*/").unwrap_or(whole);
-        let Some(said) = body.trim_start_matches(['/', '*', '!', ' ', '\t']).strip_prefix("landfall:")
+        let Some(said) =
+            body.trim_start_matches(['/', '*', '!', ' ', '\t']).strip_prefix("landfall:")
         else {
             return;
         };
         let said = said.trim();
         let at = |part: &str| part.as_ptr() as usize - self.text.as_ptr() as usize;
-        let word = said.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).next().unwrap_or("");
-        let list = said[word.len()..].trim_start().strip_prefix('(').and_then(|l| l.split_once(')'));
+        let word =
+            said.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).next().unwrap_or("");
+        let list =
+            said[word.len()..].trim_start().strip_prefix('(').and_then(|l| l.split_once(')'));
         let (own, covered) = self.lines(&comment);
         let lines = match (word, list) {
             ("allow", Some(_)) => Some((own, covered)),
             ("allow-file", Some(_)) => None,
             _ => {
                 // Prose may begin with `landfall:` too.
-                if word.contains("allow") || nearest(word, ["allow", "allow-file"].into_iter()).is_some() {
+                if word.contains("allow")
+                    || nearest(word, ["allow", "allow-file"].into_iter()).is_some()
+                {
                     let range = at(said)..at(said) + said.len();
                     found.push(Allow {
                         code: said.to_string(),

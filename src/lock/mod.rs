@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::ShaderLayout;
 use crate::emit::{EmitOptions, Format, document};
 use crate::error::Error;
 use crate::lint::{Finding, Place};
-use crate::ShaderLayout;
 
 /// A lock that was read.
 #[derive(Clone, Debug)]

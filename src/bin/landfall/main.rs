@@ -4,15 +4,19 @@
 //! written, an error in a shader. Products go to stdout, findings to stderr.
 
 mod args;
+mod check;
+mod config;
 mod decode;
 mod emit;
 mod encode;
 mod explain;
 mod inputs;
 mod layout;
+mod merge;
 mod output;
 mod port;
 mod read;
+mod rule;
 mod schema;
 mod shader;
 mod work;
@@ -33,6 +37,9 @@ fn main() -> ExitCode {
         Command::Port(args) => port::run(args, &streams),
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
+        Command::Check(args) => check::run(args, &streams),
+        Command::Merge(args) => merge::run(args, &streams),
+        Command::Rule(args) => rule::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
