@@ -9,10 +9,11 @@ use super::{Check, LINTS, Subject, lint};
 
 /// The level a lint has under these settings; findings that are no lint's are warnings.
 pub fn level(code: &str, settings: &Settings) -> Level {
-    let mut level = lint(code).map_or(Level::Warn, |lint| lint.level);
+    let lint = lint(code);
+    let mut level = lint.map_or(Level::Warn, |lint| lint.level);
     for (whose, said) in &settings.levels {
         let meant = match whose.as_str() {
-            "all" => true,
+            "all" => lint.is_some(),
             "warnings" => level == Level::Warn,
             whose => whose == code,
         };

@@ -103,6 +103,10 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
     };
     let outcome = reports::write(&result, &args.formats, args.statistics, streams)?;
+    if folder.is_some() {
+        let all = reports::counted(pass.checked.len(), "shader");
+        streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
+    }
     if args.fix {
         streams.notes(&mend::told(&mended));
     }

@@ -247,6 +247,8 @@ impl Job<'_> {
             .files
             .iter()
             .skip(1)
+            // Macros of the command line have a text too, by this name.
+            .filter(|file| !file.path.starts_with("-D "))
             // A file that is gone by now has no hash, and makes the shader new next time.
             .map(|file| (file.path.clone(), self.hash(&file.path).unwrap_or(0)))
             .collect();

@@ -71,10 +71,10 @@ fn permutations(keys: &Keys<'_>) -> Vec<Vec<(String, String)>> {
 fn mirror_group(keys: &Keys<'_>, root: &Root) -> Option<MirrorGroup> {
     let name = keys.needed("name");
     let copies = keys.tables("copies", "copies", |keys| mirror_copy(keys, root));
-    if copies.len() == 1 {
-        let message = "a mirror group of one copy compares nothing".to_string();
+    if keys.row("copies").is_none_or(|row| row.len().is_some_and(|copies| copies < 2)) {
+        let message = "a mirror group of less than two copies compares nothing".to_string();
         let found = Diagnostic::error("missing-key", span_of(keys), message);
-        keys.add(found.with_help("add the other copy to `copies`"));
+        keys.add(found.with_help("add the other copies to `copies`"));
     }
     Some(MirrorGroup { name: name?.value, copies, place: keys.place() })
 }

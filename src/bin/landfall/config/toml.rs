@@ -340,6 +340,11 @@ impl Row<'_> {
         Some((integer.as_str(), integer.radix()))
     }
 
+    /// How many items an array has.
+    pub fn len(&self) -> Option<usize> {
+        self.value.get_ref().as_array().map(|list| list.len())
+    }
+
     /// What it is, in words.
     pub fn kind(&self) -> &'static str {
         a(self.value.get_ref())
