@@ -46,7 +46,7 @@ fn every_fault_of_a_configuration_is_told_with_its_place_and_a_remedy() {
         (&table("sizes = 1"), "3:1", "unknown-key", "did you mean `size`?"),
         (&group("copies = [{ block = \"a\" }]"), "1:1", "missing-key", "add the other cop"),
         (&group("copies = [{ file = \"a\" }, { block = \"b\" }]"), "3:11", "missing-key", "`block"),
-        (&group("copies = [\"a\"]"), "3:10", "wrong-type", "[[copies]]"),
+        (&group("copies = [\"a\", \"b\"]"), "3:10", "wrong-type", "[[copies]]"),
         ("[[rust-mirror]]\nfile = \"a.rs\"\nblock = \"A\"", "1:1", "missing-key", "structure"),
         ("paths = [", "1:10", "syntax", "error"),
         ("paths = []\npaths = []", "2:1", "syntax", "duplicate key"),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::args::MergeArgs;
-use crate::check::{reports, shard, tree};
+use crate::check::{NO_LOCKS, reports, shard, tree};
 use crate::config::Root;
 use crate::output::{Failure, Outcome, Streams};
 
@@ -26,5 +26,9 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         texts: &texts,
         shard: None,
     };
-    reports::write(&result, &args.formats, args.statistics, streams)
+    let outcome = reports::write(&result, &args.formats, args.statistics, streams)?;
+    if whole.basis.locks.is_none() {
+        streams.notes(NO_LOCKS);
+    }
+    Ok(outcome)
 }

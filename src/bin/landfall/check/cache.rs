@@ -69,9 +69,12 @@ impl Cache {
         let written = Written { program: program(), checked: &all, tree };
         let json = serde_json::to_string(&written).expect("keys are strings");
         let folder = self.file.parent().unwrap_or(Path::new("."));
-        let ignore = folder.join(".gitignore");
-        if !ignore.exists() {
-            write_whole(&ignore, "# Made by landfall; may be removed at any time.\n*\n")?;
+        // A folder that somebody has made is theirs to ignore.
+        if !folder.exists() {
+            write_whole(
+                &folder.join(".gitignore"),
+                "# Made by landfall; may be removed at any time.\n*\n",
+            )?;
         }
         write_whole(&self.file, format!("{:016x}\n{json}\n", fnv(json.as_bytes())))?;
         self.forget_oldest(folder);

@@ -27,6 +27,9 @@ use cache::Cache;
 use landfall::emit::findings::ReportFormat;
 use pass::{Pass, Run};
 
+/// Said once instead of a finding a shader.
+pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check can tell when one changes\n";
+
 /// Where locks are unless somebody says otherwise.
 const LOCKS: &str = "layouts";
 
@@ -114,7 +117,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.notes(&format!("accepted {}\n", reports::counted(pass.accepted, "layout")));
     }
     if !told_of_locks && args.shard.is_none() {
-        streams.notes("no layouts are locked; `landfall lock` records them, so that check can tell when one changes\n");
+        streams.notes(NO_LOCKS);
     }
     Ok(outcome)
 }

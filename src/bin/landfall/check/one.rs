@@ -209,12 +209,14 @@ impl Job<'_> {
         let mut failed: Vec<Finding> = Vec::new();
         let mut new_lock = None;
         let mut lock_hash = None;
+        let mut allowed = allows(&shader.files, shader.language);
         if errors.is_empty() {
             let subject = Subject { source: &source, options: self.options, shader: &shader };
             if let Some((path, bytes)) = lock {
                 match bytes.and_then(|bytes| drift(&shader, &path, bytes)) {
                     Ok((hash, drifted)) => {
-                        let drifted = run::at_levels(drifted, settings);
+                        let mut drifted = run::at_levels(drifted, settings);
+                        suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
                         if self.accept && drifted.iter().any(is_drift) {
                             let text = lock::write(&shader);
@@ -239,7 +241,6 @@ impl Job<'_> {
                 last.notes.push(format!("and {} more errors", errors.len() - MOST_ERRORS));
             }
         }
-        let mut allowed = allows(&shader.files, shader.language);
         suppress(&mut findings, &mut allowed);
         let is_failed = !failed.is_empty();
         findings.extend(failed);
@@ -339,8 +340,10 @@ pub fn of_diagnostic(diagnostic: &Diagnostic, files: &Files) -> Finding {
     let path = diagnostic.path.clone().or_else(|| files.get(0).map(|file| file.path.clone()));
     let path = path.unwrap_or_default();
     let main = labels.next();
-    let place = main.map_or_else(|| Place::file(path.clone()), |l| Place::of(files, l.span));
-    let mut finding = Finding::new(diagnostic.code, path, place, diagnostic.message.clone());
+    let place = main.map_or_else(|| Place::file(path), |l| Place::of(files, l.span));
+    // Whichever shader includes a file, what is said about it is the same.
+    let about = place.path.clone();
+    let mut finding = Finding::new(diagnostic.code, about, place, diagnostic.message.clone());
     finding.level = match diagnostic.severity {
         Severity::Warning => Level::Warn,
         Severity::Error => Level::Deny,
