@@ -101,7 +101,8 @@ fn a_cache_that_is_broken_is_as_good_as_none() {
     let (_, report) = laid_out(&place, &[]);
     let folder = place.0.join("cache");
     let file = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
-    let file = file.filter(|path| path.extension().is_some_and(|e| e == "json")).next().unwrap();
+    let is_json = |path: &std::path::PathBuf| path.extension().is_some_and(|e| e == "json");
+    let file = file.filter(is_json).last().unwrap();
     let sound = fs::read(&file).unwrap();
     let mut flipped = sound.clone();
     flipped[sound.len() / 2] ^= 1;

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
 use super::one::Checked;
+use super::pass::Pass;
 use super::tree::Remembered;
 
 /// Files kept in the folder: one for each set of flags that checks are run with.
@@ -55,18 +56,14 @@ impl Cache {
         }
     }
 
-    /// Remembers what this check found; `others` are shaders it did not look at.
-    pub fn write(
-        &self,
-        checked: &[Checked],
-        others: &HashMap<String, Checked>,
-        tree: &Option<Remembered>,
-    ) -> Result<(), Error> {
-        let mut all: Vec<&Checked> = checked.iter().filter(|checked| !checked.failed).collect();
-        all.extend(others.values().filter(|other| Path::new(&other.path).is_file()));
+    /// Remembers what this check found, and what is known of shaders it did not look at.
+    pub fn write(&self, pass: &Pass) -> Result<(), Error> {
+        let mut all: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
+        all.extend(pass.left.values().filter(|other| Path::new(&other.path).is_file()));
+        // Of two records of one shader the first, which is this check's, stays.
         all.sort_by(|a, b| a.path.cmp(&b.path));
         all.dedup_by(|a, b| a.path == b.path);
-        let written = Written { program: program(), checked: &all, tree };
+        let written = Written { program: program(), checked: &all, tree: &self.tree };
         let json = serde_json::to_string(&written).expect("keys are strings");
         let folder = self.file.parent().unwrap_or(Path::new("."));
         // A folder that somebody has made is theirs to ignore.

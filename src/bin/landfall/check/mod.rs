@@ -28,7 +28,8 @@ use landfall::emit::findings::ReportFormat;
 use pass::{Pass, Run};
 
 /// Said once instead of a finding a shader.
-pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check can tell when one changes\n";
+pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check \
+                            can tell when one changes\n";
 
 /// Where locks are unless somebody says otherwise.
 const LOCKS: &str = "layouts";
@@ -49,7 +50,6 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let options = config.options(&args.text, &args.levels.defines);
     let paths = paths(args, &config);
     let scope = scope(args, &config, &paths);
-    let told_of_locks = scope.locks.is_some();
     let language = args.text.language.map(|language| language.language());
     let basis = Basis::new(scope, &options, args.text.stage, language, settings);
     let (paths, stdin) = stdin(paths, args)?;
@@ -65,9 +65,8 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
     let mut cache = folder.map(|folder| Cache::open(folder, &basis)).unwrap_or_default();
-    let before = cache.tree.clone();
+    let before = cache.tree.as_ref().map(|tree| tree.key);
     let known = std::mem::take(&mut cache.known);
-    let others = if folder.is_some() { known.clone() } else { HashMap::new() };
     // Locks are written once everything is mended.
     let accept = args.accept && !args.fix;
     let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
@@ -92,8 +91,9 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Some(_) => tree::sorted(tree::alone(&pass)),
         None => tree::findings(&mut pass, &basis, &run.options, &config.root, &mut cache.tree),
     };
-    if folder.is_some() && (pass.fresh > 0 || cache.tree != before) {
-        if let Err(error) = cache.write(&pass.checked, &others, &cache.tree) {
+    let is_new = pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key) != before;
+    if folder.is_some() && is_new {
+        if let Err(error) = cache.write(&pass) {
             streams.notes(&format!("nothing is remembered: {error}\n"));
         }
     }
@@ -113,13 +113,17 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.fix {
         streams.notes(&mend::told(&mended));
     }
+    tell_of_locks(&pass, &basis, args, streams);
+    Ok(outcome)
+}
+
+fn tell_of_locks(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
     if pass.accepted > 0 {
         streams.notes(&format!("accepted {}\n", reports::counted(pass.accepted, "layout")));
     }
-    if !told_of_locks && args.shard.is_none() {
+    if basis.locks.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);
     }
-    Ok(outcome)
 }
 
 /// What cannot be asked for together.

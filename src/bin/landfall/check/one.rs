@@ -82,6 +82,12 @@ pub struct Fresh {
     pub lock: Option<(PathBuf, String)>,
 }
 
+/// The lock of a shader: where it is, and its bytes if it is there.
+struct LockFile {
+    path: PathBuf,
+    bytes: Result<Option<Vec<u8>>, Error>,
+}
+
 impl Weighed for Done {
     fn bytes(&self) -> usize {
         match self {
@@ -121,7 +127,7 @@ impl Job<'_> {
         let hash = fnv(&bytes);
         let lock = self.lock(&shown);
         if let Some(known) = self.known.get(&shown) {
-            if known.hash == hash && self.is_same(known, &lock) {
+            if known.hash == hash && self.is_same(known, lock.as_ref()) {
                 return Done::Same(shown);
             }
         }
@@ -144,8 +150,8 @@ impl Job<'_> {
         if self.texts.contains_key(&given) { given } else { self.root.show(path) }
     }
 
-    /// The lock of a shader: where it is, and its bytes if it is there.
-    fn lock(&self, shown: &str) -> Option<(PathBuf, Result<Option<Vec<u8>>, Error>)> {
+    /// The lock of a shader, where locks count.
+    fn lock(&self, shown: &str) -> Option<LockFile> {
         let locks = self.basis.locks.as_ref()?;
         let quiet = |code| run::level(code, &self.basis.settings) == Level::Allow;
         if quiet("layout-drift") && quiet("lock-missing") {
@@ -161,19 +167,15 @@ impl Job<'_> {
                 Err(Error::new(path.display().to_string(), message))
             }
         };
-        Some((path, bytes))
+        Some(LockFile { path, bytes })
     }
 
     /// Whether a shader whose own bytes are the same has the same includes and lock.
-    fn is_same(
-        &self,
-        known: &Checked,
-        lock: &Option<(PathBuf, Result<Option<Vec<u8>>, Error>)>,
-    ) -> bool {
-        let lock = match lock {
+    fn is_same(&self, known: &Checked, lock: Option<&LockFile>) -> bool {
+        let lock = match lock.map(|lock| &lock.bytes) {
             None => None,
-            Some((_, Ok(bytes))) => bytes.as_deref().map(fnv),
-            Some((_, Err(_))) => return false,
+            Some(Ok(bytes)) => bytes.as_deref().map(fnv),
+            Some(Err(_)) => return false,
         };
         let to_accept = self.accept && known.findings.iter().any(is_drift);
         !known.failed
@@ -194,12 +196,7 @@ impl Job<'_> {
         hash
     }
 
-    fn look(
-        &self,
-        source: Source,
-        hash: u64,
-        lock: Option<(PathBuf, Result<Option<Vec<u8>>, Error>)>,
-    ) -> Fresh {
+    fn look(&self, source: Source, hash: u64, lock: Option<LockFile>) -> Fresh {
         let shader = landfall::layout(&source, self.options);
         let settings = &self.basis.settings;
         let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
@@ -212,7 +209,7 @@ impl Job<'_> {
         let mut allowed = allows(&shader.files, shader.language);
         if errors.is_empty() {
             let subject = Subject { source: &source, options: self.options, shader: &shader };
-            if let Some((path, bytes)) = lock {
+            if let Some(LockFile { path, bytes }) = lock {
                 match bytes.and_then(|bytes| drift(&shader, &path, bytes)) {
                     Ok((hash, drifted)) => {
                         let mut drifted = run::at_levels(drifted, settings);

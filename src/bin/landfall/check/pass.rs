@@ -47,6 +47,8 @@ pub struct Pass {
     pub missing: usize,
     /// Layouts by the number of their shader.
     pub laid_out: HashMap<usize, (Source, ShaderLayout)>,
+    /// What was known before and is not found again.
+    pub left: HashMap<String, Checked>,
     /// Shaders that were laid out.
     pub fresh: usize,
     /// Locks that were written.
@@ -103,6 +105,7 @@ impl Run<'_> {
                 pass.checked[number] = known;
             }
         }
+        pass.left = known;
         Ok(pass)
     }
 
@@ -169,7 +172,9 @@ impl Pass {
 
     /// What is known of each shader, for the next pass.
     pub fn into_known(self) -> HashMap<String, Checked> {
-        self.checked.into_iter().map(|checked| (checked.path.clone(), checked)).collect()
+        let mut known = self.left;
+        known.extend(self.checked.into_iter().map(|checked| (checked.path.clone(), checked)));
+        known
     }
 }
 

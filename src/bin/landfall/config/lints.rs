@@ -180,3 +180,61 @@ fn span_of(keys: &Keys<'_>) -> Span {
     let place = keys.place();
     Span { file: 0, start: place.start, end: place.end }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::config::toml::Document;
+
+    fn settings(text: &str) -> Settings {
+        let root = Root::new(Path::new("..")).unwrap();
+        let document = Document::new("landfall.toml", text.to_string());
+        document.read(|keys| read(keys, &root)).unwrap_or_else(|(found, _)| panic!("{found:#?}"))
+    }
+
+    #[test]
+    fn levels_come_from_the_general_to_the_special() {
+        let text = "[levels]\nmat3-padding = \"warn\"\nwarnings = \"deny\"\nall = \"warn\"\n";
+        let levels: Vec<String> = settings(text).levels.into_iter().map(|(code, _)| code).collect();
+        assert_eq!(levels, ["all", "warnings", "mat3-padding"]);
+    }
+
+    #[test]
+    fn tables_hold_figures_as_they_are_written_with_their_places() {
+        let text = "[[table]]\nblock = \"Lights\"\nfile = \"s/*.frag\"\nsize = \"48 * 128 + 4\"\n\
+                    [table.offsets]\n\"data[1].pos\" = 0x30\n\"data[0].pos\" = 0\n";
+        let table = settings(text).tables.remove(0);
+        assert_eq!((table.block.as_str(), table.file.as_str()), ("Lights", "../s/*.frag"));
+        assert_eq!((table.place.line, table.place.column), (1, 1));
+        let size = table.size.unwrap();
+        assert_eq!((size.bytes, size.written.as_str()), (6148, "48 * 128 + 4"));
+        assert_eq!((size.place.line, size.place.column), (4, 8));
+        let rows: Vec<(&str, u64, &str)> = table
+            .offsets
+            .iter()
+            .map(|row| (row.path.as_str(), row.offset.bytes, row.offset.written.as_str()))
+            .collect();
+        assert_eq!(rows, [("data[1].pos", 48, "0x30"), ("data[0].pos", 0, "0")]);
+        assert_eq!(table.offsets[0].offset.place.line, 6);
+    }
+
+    #[test]
+    fn copies_and_rust_mirrors_are_found_from_the_configuration() {
+        let text = "permutations = [[\"SHADOWS=1\", \"FOG\"], []]\n[[mirror-group]]\nname = \"light\"\n\
+                    copies = [{ block = \"A\" }, { file = \"b/*\", block = \"b.lights[]\", \
+                    prefix = \"u_\", aliases = { position = \"pos\" } }]\n\
+                    [[rust-mirror]]\nfile = \"src/light.rs\"\nstructure = \"L\"\nblock = \"A\"\n";
+        let settings = settings(text);
+        let set = [("SHADOWS".to_string(), "1".to_string()), ("FOG".to_string(), "1".to_string())];
+        assert_eq!(settings.permutations, [set.to_vec(), Vec::new()]);
+        let group = &settings.mirror_groups[0];
+        let (first, second) = (&group.copies[0], &group.copies[1]);
+        assert_eq!((group.name.as_str(), first.file.as_str(), first.place.line), ("light", "", 4));
+        assert_eq!((second.file.as_str(), second.prefix.as_str()), ("../b/*", "u_"));
+        assert_eq!(second.aliases, [("position".to_string(), "pos".to_string())]);
+        let mirror = &settings.rust_mirrors[0];
+        assert_eq!((mirror.file.as_str(), mirror.structure.as_str()), ("../src/light.rs", "L"));
+    }
+}
