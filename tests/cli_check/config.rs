@@ -172,3 +172,22 @@ fn a_byte_order_mark_and_carriage_returns_do_not_matter() {
     fs::remove_file(place.0.join("landfall.toml")).unwrap();
     assert_eq!(place.run(&["check", "--no-config"]).code, 0);
 }
+
+#[test]
+fn the_example_has_every_key_and_is_taken() {
+    let place = Place::new("config-example");
+    let example = fs::read_to_string("src/bin/landfall/config/example.toml").unwrap();
+    place.write("landfall.toml", &example).write("shaders/a.frag", CLEAN);
+    place.write("src/lights.rs", "#[repr(C)] struct PointLight { pos: [f32; 4] }\n");
+    let ran = place.run(&["check", "-A", "all"]);
+    assert_eq!(ran.code, 0, "{}\n{}", ran.out, ran.err);
+    // An unknown key is answered with the known ones, as long as none is near.
+    let ran = place.write("landfall.toml", "xyzxyz = 1").run(&["check"]);
+    let known = ran.err.lines().find_map(|line| line.split_once(" has `")).unwrap().1;
+    for key in known.trim_end_matches('`').split("`, `") {
+        assert!(
+            example.contains(&format!("\n{key} = ")) || example.contains(&format!("[{key}]")),
+            "{key}"
+        );
+    }
+}

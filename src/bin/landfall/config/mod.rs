@@ -2,7 +2,7 @@
 //!
 //! Found upwards from what is checked, read with the places of its values, made absolute in
 //! meaning: whatever path it names is relative to its own folder. Flags are laid over it by
-//! [`Config::options`] and by the commands.
+//! [`Config::options`] and by the commands. `example.toml` beside this file has every key.
 
 mod figure;
 mod find;
