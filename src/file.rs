@@ -47,7 +47,13 @@ pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.partial", std::process::id()));
     let partial = folder.join(name);
-    let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path));
+    let written = fs::write(&partial, bytes).and_then(|()| {
+        // Whoever might read or run the old file may still.
+        if let Ok(old) = fs::metadata(path) {
+            fs::set_permissions(&partial, old.permissions())?;
+        }
+        fs::rename(&partial, path)
+    });
     written.map_err(|cause| {
         let _ = fs::remove_file(&partial);
         failed(cause)

@@ -4,9 +4,7 @@
 mod readers;
 mod support;
 
-use landfall::run::verify::{
-    Outcome, ReaderReport, ShaderReport, Subject, VerifyOptions, verify,
-};
+use landfall::run::verify::{Outcome, ReaderReport, ShaderReport, Subject, VerifyOptions, verify};
 use landfall::{BlockLayout, Rules, Source, Stage};
 use readers::readers;
 use support::blocks::{Block, Rules as BlockRules, Space, print};
@@ -66,7 +64,11 @@ fn random_blocks_are_read_where_they_are_laid_out() {
                 reader.reader,
                 reader.reason,
                 reader.log,
-                reader.reads.iter().filter(|r| r.byte_read != Some(r.expected_byte)).take(5)
+                reader
+                    .reads
+                    .iter()
+                    .filter(|r| r.byte_read != Some(r.expected_byte))
+                    .take(5)
                     .collect::<Vec<_>>(),
             );
             reads += reader.reads.len();

@@ -3,8 +3,12 @@
 //! One file a lint, listed in [`LINTS`]. They read [`ShaderLayout`]s and the
 //! texts behind them; the command asks them and renders their [`Finding`]s.
 
+pub mod allow;
+pub mod digest;
 pub mod finding;
 pub mod fix;
+
+pub mod run;
 pub mod settings;
 
 mod array_stride_waste;
@@ -28,6 +32,7 @@ pub mod rust_mirror;
 mod scalar_after_vec3;
 mod show;
 mod stale_comment;
+mod unused_allow;
 mod unused_block;
 mod unused_member;
 mod vec3_array;
@@ -116,6 +121,7 @@ pub const LINTS: &[&Lint] = &[
     &rust_mirror::UNKNOWN,
     &scalar_after_vec3::LINT,
     &stale_comment::LINT,
+    &unused_allow::LINT,
     &unused_block::LINT,
     &unused_member::LINT,
     &vec3_array::LINT,
@@ -125,4 +131,9 @@ pub const LINTS: &[&Lint] = &[
 /// The lint of that code.
 pub fn lint(code: &str) -> Option<&'static Lint> {
     LINTS.iter().find(|lint| lint.code == code).copied()
+}
+
+/// The known name nearest to one that is not: two edits away at most.
+pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    crate::parse::nearest(name, known)
 }

@@ -2,14 +2,16 @@
 //!
 //! Plain data; the command reads it from `landfall.toml` and its flags.
 
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 use super::finding::{Level, Place};
 
 /// What lints are told.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Levels by code, later ones first; `warnings` stands for every lint at warn.
+    /// Levels by code, a later one over an earlier one; `warnings` stands for every lint that is at
+    /// warn by then, `all` for every lint.
     pub levels: Vec<(String, Level)>,
     /// The targets whose limits hold.
     pub targets: Vec<Target>,
@@ -22,11 +24,13 @@ pub struct Settings {
     /// Hand-written mirrors in Rust files.
     pub rust_mirrors: Vec<RustMirror>,
     /// The Rust files those name, and others whose comments may name mirrors.
+    #[serde(skip)]
     pub rust_files: Vec<RustFile>,
 }
 
 /// An API whose guaranteed limits a shader has to keep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Target {
     /// OpenGL 3.3.
     Gl33,
@@ -45,6 +49,11 @@ impl Target {
     pub const ALL: [Target; 5] =
         [Target::Gl33, Target::Gles30, Target::WebGl2, Target::WebGpu, Target::Vulkan];
 
+    /// The target of that name.
+    pub fn from_name(name: &str) -> Option<Target> {
+        Target::ALL.into_iter().find(|target| target.name() == name)
+    }
+
     /// The name on the command line and in the configuration.
     pub fn name(self) -> &'static str {
         match self {
@@ -58,7 +67,7 @@ impl Target {
 }
 
 /// Copies of one block or structure that must have the same layout.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MirrorGroup {
     /// What messages call it.
     pub name: String,
@@ -69,7 +78,7 @@ pub struct MirrorGroup {
 }
 
 /// One copy in a mirror group.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MirrorCopy {
     /// A glob of the shaders it is in; empty for all.
     pub file: String,
@@ -84,7 +93,7 @@ pub struct MirrorCopy {
 }
 
 /// A hand-written table of a block: its size, or where its members are.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// The block's name, or its instance's.
     pub block: String,
@@ -99,7 +108,7 @@ pub struct Table {
 }
 
 /// A number of bytes somebody wrote down.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// Its value.
     pub bytes: u64,
@@ -110,7 +119,7 @@ pub struct Figure {
 }
 
 /// A row of a table.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// `data[3].color`.
     pub path: String,
@@ -119,7 +128,7 @@ pub struct Row {
 }
 
 /// A Rust file in which there are mirrors, or may be.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RustFile {
     /// The path as messages print it, `/` between its parts.
     pub path: String,
@@ -128,7 +137,7 @@ pub struct RustFile {
 }
 
 /// A hand-written mirror.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RustMirror {
     /// The Rust file.
     pub file: String,

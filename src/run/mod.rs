@@ -17,9 +17,9 @@ mod limits;
 pub mod module;
 pub mod probe;
 pub mod reader;
-pub mod verify;
-mod wgsl;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 pub mod remote;
+pub mod verify;
+mod wgsl;
 
 pub use module::Module;

@@ -1,6 +1,8 @@
 //! What may be written on the command line. Nothing here acts.
 
+mod check;
 mod codec;
+mod levels;
 mod lock;
 mod verify;
 
@@ -8,11 +10,13 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use landfall::emit::rust::Vectors;
+use landfall::lint::settings::Target as Limits;
 use landfall::{Language, Rules, Stage, Target, emit};
 
+pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
-pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
+pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
 #[derive(Debug, Parser)]
@@ -50,6 +54,12 @@ pub enum Command {
     Lock(LockArgs),
     /// Say what changed between two layouts, and whether old uploads still land
     Diff(DiffArgs),
+    /// Hold every shader against the lints, and against its lock
+    Check(CheckArgs),
+    /// Make one report of those of all shards of a check
+    Merge(MergeArgs),
+    /// List the lints, or explain one
+    Rule(RuleArgs),
     /// Print the JSON Schema of an output
     Schema(SchemaArgs),
     /// Run jobs for the process at the other end of stdin and stdout
@@ -280,15 +290,23 @@ pub enum Schema {
 }
 
 /// How shaders are read.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "How shaders are read")]
 pub struct ReadArgs {
-    /// Search DIR for #include
-    #[arg(short = 'I', long = "include", value_name = "DIR")]
-    pub include_dirs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub text: TextArgs,
     /// Define a macro, as 1 unless a value is given
     #[arg(short = 'D', long = "define", value_name = "NAME[=TEXT]", value_parser = define)]
     pub defines: Vec<(String, String)>,
+}
+
+/// The same without macros, for commands where `-D` has a further meaning.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "How shaders are read")]
+pub struct TextArgs {
+    /// Search DIR for #include
+    #[arg(short = 'I', long = "include", value_name = "DIR")]
+    pub include_dirs: Vec<PathBuf>,
     /// Set a specialisation constant or override, by name or number
     #[arg(short = 'O', long = "override", value_name = "NAME=VALUE", value_parser = setting)]
     pub overrides: Vec<(String, String)>,
@@ -301,9 +319,10 @@ pub struct ReadArgs {
     /// Stage of GLSL, where the file's name does not say
     #[arg(long, value_name = "STAGE", value_parser = stage)]
     pub stage: Option<Stage>,
-    /// API GLSL is meant for, where its text does not say
-    #[arg(long, value_name = "API")]
-    pub target: Option<Api>,
+    /// What shaders are for: the API GLSL is read as where its text does not say, and for `check`
+    /// whose limits hold; may be given several times
+    #[arg(long = "target", value_name = "API")]
+    pub targets: Vec<Api>,
     /// Language, where the file's name does not say
     #[arg(long, value_name = "LANGUAGE")]
     pub language: Option<Text>,
@@ -312,17 +331,43 @@ pub struct ReadArgs {
     pub stdin_filename: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Api {
+    /// GLSL is read as OpenGL's; no limits
     Opengl,
+    /// GLSL is read as Vulkan's; the limits of Vulkan 1.0
     Vulkan,
+    /// OpenGL 3.3
+    Gl33,
+    /// OpenGL ES 3.0
+    Gles30,
+    /// WebGL 2
+    Webgl2,
+    /// WebGPU
+    Webgpu,
 }
 
 impl Api {
-    pub fn target(self) -> Target {
+    /// What GLSL is read as for these targets; left to the text where they disagree or say nothing.
+    pub fn reading(targets: &[Api]) -> Option<Target> {
+        let mut told = targets.iter().filter_map(|api| match api {
+            Api::Opengl | Api::Gl33 | Api::Gles30 | Api::Webgl2 => Some(Target::OpenGl),
+            Api::Vulkan => Some(Target::Vulkan),
+            Api::Webgpu => None,
+        });
+        let first = told.next()?;
+        told.all(|other| other == first).then_some(first)
+    }
+
+    /// Whose limits hold.
+    pub fn limits(self) -> Option<Limits> {
         match self {
-            Api::Opengl => Target::OpenGl,
-            Api::Vulkan => Target::Vulkan,
+            Api::Opengl => None,
+            Api::Vulkan => Some(Limits::Vulkan),
+            Api::Gl33 => Some(Limits::Gl33),
+            Api::Gles30 => Some(Limits::Gles30),
+            Api::Webgl2 => Some(Limits::WebGl2),
+            Api::Webgpu => Some(Limits::WebGpu),
         }
     }
 }
@@ -352,7 +397,7 @@ fn stage(name: &str) -> Result<Stage, String> {
 }
 
 /// `NAME`, `NAME=TEXT`.
-fn define(text: &str) -> Result<(String, String), String> {
+pub fn define(text: &str) -> Result<(String, String), String> {
     let (name, value) = text.split_once('=').unwrap_or((text, "1"));
     let mut letters = name.chars();
     let starts = letters.next().is_some_and(|c| c == '_' || c.is_ascii_alphabetic());
@@ -364,7 +409,7 @@ fn define(text: &str) -> Result<(String, String), String> {
 }
 
 /// `NAME=VALUE`.
-fn setting(text: &str) -> Result<(String, String), String> {
+pub fn setting(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
             Ok((name.trim().to_string(), value.trim().to_string()))

@@ -4,6 +4,8 @@
 //! written, an error in a shader. Products go to stdout, findings to stderr.
 
 mod args;
+mod check;
+mod config;
 mod decode;
 mod devices;
 mod diff;
@@ -13,12 +15,14 @@ mod explain;
 mod inputs;
 mod layout;
 mod lock;
+mod merge;
 mod output;
 mod port;
 mod read;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 mod reader;
 mod readers;
+mod rule;
 mod schema;
 mod shader;
 mod verify;
@@ -44,6 +48,9 @@ fn main() -> ExitCode {
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),
+        Command::Check(args) => check::run(args, &streams),
+        Command::Merge(args) => merge::run(args, &streams),
+        Command::Rule(args) => rule::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(args) => reader::run(args),

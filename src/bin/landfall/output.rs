@@ -179,6 +179,11 @@ impl Streams {
         self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
     }
 
+    /// Whether only errors are wanted.
+    pub fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
     /// Whether anybody would see progress.
     pub fn shows_progress(&self) -> bool {
         !self.quiet && io::stderr().is_terminal() && !io::stdout().is_terminal()

@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 
 use landfall::{Error, Language, Options, ReadOptions, Rules, Source, source};
 
-use crate::args::ReadArgs;
+use crate::args::{Api, ReadArgs};
 
 /// The options all shaders of a run are laid out with.
 pub fn options(args: &ReadArgs) -> Options {
     Options {
         read: ReadOptions {
             defines: args.defines.clone(),
-            include_dirs: args.include_dirs.clone(),
-            overrides: args.overrides.clone(),
-            target: args.target.map(|api| api.target()),
+            include_dirs: args.text.include_dirs.clone(),
+            overrides: args.text.overrides.clone(),
+            target: Api::reading(&args.text.targets),
         },
-        rules: args.rules.as_deref().and_then(Rules::from_name),
-        gather: args.gather,
+        rules: args.text.rules.as_deref().and_then(Rules::from_name),
+        gather: args.text.gather,
         naga: false,
     }
 }
@@ -30,7 +30,7 @@ pub fn is_stdin(path: &Path) -> bool {
 
 /// The path stdin goes by.
 pub fn stdin_path(args: &ReadArgs) -> PathBuf {
-    args.stdin_filename.clone().unwrap_or_else(|| PathBuf::from("<stdin>"))
+    args.text.stdin_filename.clone().unwrap_or_else(|| PathBuf::from("<stdin>"))
 }
 
 /// Reads one shader.
@@ -45,11 +45,11 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     } else {
         Source::read(path)?
     };
-    if let Some(language) = args.language {
+    if let Some(language) = args.text.language {
         source.language = language.language();
     }
     source.stage = match source.language {
-        Language::Glsl => args.stage.or(source.stage),
+        Language::Glsl => args.text.stage.or(source.stage),
         Language::Wgsl => None,
     };
     Ok(source)

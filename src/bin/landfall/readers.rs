@@ -31,7 +31,7 @@ pub fn open(names: &[ReaderName], adapter: Option<&str>) -> Readers {
 
 fn one(name: ReaderName, adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
     match name {
-        ReaderName::Cpu => Ok(Box::new(landfall::run::eval::Cpu::new())),
+        ReaderName::Cpu => Ok(Box::new(landfall::run::eval::Cpu::new(Default::default()))),
         ReaderName::Gl => gl(),
         ReaderName::Gpu => gpu(adapter),
     }

@@ -65,8 +65,9 @@ fn required(args: &VerifyArgs, readers: &Readers) -> Result<(), Error> {
         let Attendance::Missing { reader, failure } = attendance else { continue };
         if args.require.iter().any(|name| name.name() == *reader) {
             let message = format!("is required and did not run: {}", failure.message);
-            return Err(Error::new(*reader, message)
-                .with_help("`landfall devices` lists what is here"));
+            return Err(
+                Error::new(*reader, message).with_help("`landfall devices` lists what is here")
+            );
         }
     }
     let named = |reader: &str| {
@@ -96,11 +97,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn one(
-        &mut self,
-        input: Result<Input, Error>,
-        readers: &mut Readers,
-    ) -> Result<(), Failure> {
+    fn one(&mut self, input: Result<Input, Error>, readers: &mut Readers) -> Result<(), Failure> {
         let read = |input: Input| Ok((read::source(&input.path, &self.args.read)?, input));
         let (source, input) = match input.and_then(read) {
             Ok(read) => read,

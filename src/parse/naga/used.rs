@@ -7,7 +7,7 @@ use naga::valid::{Capabilities, FunctionInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, GlobalVariable, Handle, Module, TypeInner};
 use rustc_hash::FxHashSet;
 
-use super::{variable_of, glsl_whole, guarded_validation, wgsl_module};
+use super::{glsl_whole, guarded_validation, variable_of, wgsl_module};
 use crate::layout::BlockLayout;
 use crate::source::{Language, ReadOptions, Source};
 

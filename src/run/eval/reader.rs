@@ -17,9 +17,7 @@ use super::stage::{
     Invocations, Notes, Outcome, Precision, Settings, failure, mask, put, refused_for,
 };
 use crate::run::Module;
-use crate::run::reader::{
-    Answer, Device, Failure, FailureKind, Grid, Job, Reader, StageCode,
-};
+use crate::run::reader::{Answer, Device, Failure, FailureKind, Grid, Job, Reader, StageCode};
 use crate::source::{Language, Stage, kind_of_path};
 
 /// The evaluator as a [`Reader`].
@@ -102,9 +100,8 @@ impl Cpu {
                 let vertices = self.vertices(vertex, count as usize, job, &settings)?;
                 let program = self.program(code)?;
                 let mut inputs = vertices.ports;
-                let columns = (0..u64::from(count))
-                    .map(|i| u64::from((i as f32 + 0.5).to_bits()))
-                    .collect();
+                let columns =
+                    (0..u64::from(count)).map(|i| u64::from((i as f32 + 0.5).to_bits())).collect();
                 let row = vec![u64::from(0.5f32.to_bits()); count as usize];
                 inputs.retain(|(port, _)| *port != Port::Position);
                 let mut inputs: Vec<_> =
@@ -204,9 +201,8 @@ fn compute<R: Real>(
     }
     let bound = program.bind(number, &job.resources)?;
     let size = interface.workgroup;
-    let volume = |v: [u32; 3]| {
-        v.iter().try_fold(1usize, |product, &n| product.checked_mul(n as usize))
-    };
+    let volume =
+        |v: [u32; 3]| v.iter().try_fold(1usize, |product, &n| product.checked_mul(n as usize));
     let (Some(invocations), Some(count)) = (volume(size), volume(groups)) else {
         return Err(failure(FailureKind::Refused, "more workgroups than can be counted".into()));
     };

@@ -166,9 +166,8 @@ impl Lowerer<'_> {
         let initialisers = std::mem::take(&mut self.initialisers);
         if initialisers.is_empty() {
             let reached = reach::variables(&self.ir, main);
-            let position = |io: &Io| {
-                matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })))
-            };
+            let position =
+                |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
             inputs.retain(|slot| reached.contains(&self.io[slot.io].variable));
             outputs.retain(|slot| {
                 let io = &self.io[slot.io];

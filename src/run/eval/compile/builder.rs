@@ -6,9 +6,7 @@ use naga::valid::ModuleInfo;
 use naga::{Handle, TypeInner};
 use rustc_hash::FxHashMap;
 
-use super::super::code::{
-    Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values,
-};
+use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
 use super::super::counts::price;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
@@ -202,11 +200,8 @@ impl<'a> Builder<'a> {
     }
 
     pub fn begin(&mut self, function: u32) {
-        self.body = Body {
-            own: self.variables,
-            origin: Some(nowhere(function)),
-            ..Body::default()
-        };
+        self.body =
+            Body { own: self.variables, origin: Some(nowhere(function)), ..Body::default() };
     }
 
     /// Tidies the function at hand and puts it behind the others.

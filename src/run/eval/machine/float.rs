@@ -258,11 +258,7 @@ impl<R: Real> Machine<'_, '_, R> {
             let of = |reg: u32| column(&self.reals, reg);
             match n {
                 2 => dot2([of(a[0]), of(a[1])], [of(b[0]), of(b[1])], &mut to),
-                3 => dot3(
-                    [of(a[0]), of(a[1]), of(a[2])],
-                    [of(b[0]), of(b[1]), of(b[2])],
-                    &mut to,
-                ),
+                3 => dot3([of(a[0]), of(a[1]), of(a[2])], [of(b[0]), of(b[1]), of(b[2])], &mut to),
                 _ => {
                     map2(&mut to, of(a[0]), of(b[0]), |a, b| a.mul(b));
                     for (a, b) in a.iter().zip(b).skip(1) {

@@ -51,10 +51,7 @@ impl Watch {
     /// Notes of another thread, whose batches come later.
     pub fn merge(&mut self, more: Watch) {
         for (key, seen) in more.undefined {
-            self.undefined
-                .entry(key)
-                .and_modify(|known| known.count += seen.count)
-                .or_insert(seen);
+            self.undefined.entry(key).and_modify(|known| known.count += seen.count).or_insert(seen);
         }
         self.parted.extend(more.parted);
     }
@@ -215,9 +212,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     Cast::RealToUint => (real(0), 0.0, 4294967295.0),
                     Cast::RealToSint64 => (real(0), i64::MIN as f64, i64::MAX as f64),
                     Cast::RealToUint64 => (real(0), 0.0, u64::MAX as f64),
-                    Cast::DoubleToSint => {
-                        (f64::from_bits(wide(0)), -2147483648.0, 2147483647.0)
-                    }
+                    Cast::DoubleToSint => (f64::from_bits(wide(0)), -2147483648.0, 2147483647.0),
                     Cast::DoubleToUint => (f64::from_bits(wide(0)), 0.0, 4294967295.0),
                     Cast::DoubleToSint64 => {
                         (f64::from_bits(wide(0)), i64::MIN as f64, i64::MAX as f64)

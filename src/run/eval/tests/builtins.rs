@@ -106,7 +106,15 @@ fn functions_of_one_float() {
     });
     check1("sqrt(a)", f32::sqrt);
     check1("inverseSqrt(a)", wide(|a| 1.0 / a.sqrt()));
-    check1("sign(a)", |a| if a > 0.0 { 1.0 } else if a < 0.0 { -1.0 } else { a });
+    check1("sign(a)", |a| {
+        if a > 0.0 {
+            1.0
+        } else if a < 0.0 {
+            -1.0
+        } else {
+            a
+        }
+    });
     check1("sin(a)", wide(f64::sin));
     check1("cos(a)", wide(f64::cos));
     check1("tan(a)", wide(f64::tan));
@@ -137,9 +145,12 @@ fn functions_of_two_and_three_floats() {
     check2("max(a, b)", |a, b| if a < b { b } else { a });
     check2("step(a, b)", |edge, x| if edge <= x { 1.0 } else { 0.0 });
     check2("atan2(a, b)", |a, b| f64::from(a).atan2(f64::from(b)) as f32);
-    check2("pow(a, b)", |a, b| {
-        if a < 0.0 { f32::NAN } else { f64::from(a).powf(f64::from(b)) as f32 }
-    });
+    check2(
+        "pow(a, b)",
+        |a, b| {
+            if a < 0.0 { f32::NAN } else { f64::from(a).powf(f64::from(b)) as f32 }
+        },
+    );
     check2("distance(a, b)", |a, b| (a - b).abs());
     check2("select(a, b, a < b)", |a, b| if a < b { b } else { a });
     check3("fma(a, b, c)", |a, b, c| a.mul_add(b, c));
@@ -200,11 +211,8 @@ fn vectors_follow_their_formulas() {
         let scale = |a: [f32; 3], k: f32| a.map(|x| k * x);
         let length = dot(v, v).sqrt();
         let n = v.map(|x| x / length);
-        let cross = [
-            v[1] * w[2] - v[2] * w[1],
-            v[2] * w[0] - v[0] * w[2],
-            v[0] * w[1] - v[1] * w[0],
-        ];
+        let cross =
+            [v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]];
         let reflected = sub(v, n.map(|x| 2.0 * dot(n, v) * x));
         let up = [0.0, 1.0, 0.0];
         let along = dot(up, n);
@@ -215,8 +223,7 @@ fn vectors_follow_their_formulas() {
             sub(scale(n, 0.75), scale(up, 0.75 * along + k.sqrt()))
         };
         let facing = if dot(n, w) < 0.0 { v } else { v.map(|x| -x) };
-        let swizzled =
-            [v[2] * 2.0 + w[0], v[1] * 2.0 + w[0], v[0] * 2.0 + w[1]];
+        let swizzled = [v[2] * 2.0 + w[0], v[1] * 2.0 + w[0], v[0] * 2.0 + w[1]];
         let between = sub(v, w);
         let mut expected = vec![dot(v, w), length, dot(between, between).sqrt()];
         for part in [n, cross, reflected, refracted, facing, swizzled] {
@@ -269,7 +276,8 @@ fn matrices_multiply_by_columns_and_have_inverses() {
         let expected = if i % 4 == 0 { 1.0 } else { 0.0 };
         assert!((value - expected).abs() < 1e-5, "{i}: {value}");
     }
-    let columns = [[1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 0.5, 2.0], [2.0, 0.0, 1.0, 3.0], [0.5, 1.0, 0.0, 1.0f64]];
+    let columns =
+        [[1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 0.5, 2.0], [2.0, 0.0, 1.0, 3.0], [0.5, 1.0, 0.0, 1.0f64]];
     assert!((f64::from(got[27]) - eliminate(columns)).abs() < 1e-5);
 }
 

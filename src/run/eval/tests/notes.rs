@@ -74,11 +74,7 @@ fn both_precisions_part_where_digits_cancel() {
             return small * 2.0;
         }",
     );
-    let settings = Settings {
-        precision: Precision::Both,
-        tolerance: Some(1e-3),
-        ..watched()
-    };
+    let settings = Settings { precision: Precision::Both, tolerance: Some(1e-3), ..watched() };
     let arguments = vec![bits(&[1.0, 1e9])];
     let call = Call { function: "f", lanes: 2, arguments, resources: &[] };
     let called = p.call(&call, &settings).expect("it runs");

@@ -1,0 +1,117 @@
+//! What a check rests on besides the shaders: how they are read, and what lints are told.
+//!
+//! Plain data, so that a cache and the report of a shard can carry it, and refuse to be mixed
+//! with another.
+
+use std::path::{Path, PathBuf};
+
+use landfall::lint::{Settings, digest};
+use landfall::{Language, Options, ReadOptions, Rules, Source, Stage, Target};
+use serde::{Deserialize, Serialize};
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Basis {
+    pub version: String,
+    /// The configuration's folder from the current one.
+    pub root: String,
+    /// Where locks are, when they count.
+    pub locks: Option<String>,
+    /// What is searched, relative to the root; `None` when only some files were named.
+    pub searched: Vec<String>,
+    /// Whether nothing was named, so that all there is is checked.
+    pub whole: bool,
+    defines: Vec<(String, String)>,
+    include_dirs: Vec<String>,
+    overrides: Vec<(String, String)>,
+    target: Option<String>,
+    rules: Option<String>,
+    gather: bool,
+    stage: Option<String>,
+    language: Option<String>,
+    pub settings: Settings,
+}
+
+/// What is checked, and where.
+#[derive(Clone, Debug, Default)]
+pub struct Scope {
+    pub root: String,
+    pub locks: Option<String>,
+    pub searched: Vec<String>,
+    pub whole: bool,
+}
+
+impl Basis {
+    pub fn new(
+        scope: Scope,
+        options: &Options,
+        stage: Option<Stage>,
+        language: Option<Language>,
+        settings: Settings,
+    ) -> Basis {
+        let dirs = options.read.include_dirs.iter();
+        Basis {
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            root: scope.root,
+            locks: scope.locks,
+            searched: scope.searched,
+            whole: scope.whole,
+            defines: options.read.defines.clone(),
+            include_dirs: dirs.map(|dir| dir.display().to_string()).collect(),
+            overrides: options.read.overrides.clone(),
+            target: options.read.target.map(|target| match target {
+                Target::OpenGl => "opengl".to_string(),
+                Target::Vulkan => "vulkan".to_string(),
+            }),
+            rules: options.rules.map(|rules| rules.name().to_string()),
+            gather: options.gather,
+            stage: stage.map(|stage| stage.name().to_string()),
+            language: language.map(|language| language.name().to_string()),
+            settings,
+        }
+    }
+
+    /// How shaders are laid out; naga is asked, for lints look at what it says.
+    pub fn options(&self) -> Options {
+        Options {
+            read: ReadOptions {
+                defines: self.defines.clone(),
+                include_dirs: self.include_dirs.iter().map(PathBuf::from).collect(),
+                overrides: self.overrides.clone(),
+                target: self.target.as_deref().map(|name| match name {
+                    "vulkan" => Target::Vulkan,
+                    _ => Target::OpenGl,
+                }),
+            },
+            rules: self.rules.as_deref().and_then(Rules::from_name),
+            gather: self.gather,
+            naga: true,
+        }
+    }
+
+    /// The directories searched for includes.
+    pub fn include_dirs(&self) -> impl Iterator<Item = &Path> {
+        self.include_dirs.iter().map(Path::new)
+    }
+
+    /// A shader from its text.
+    pub fn source(&self, path: &str, text: &str) -> Source {
+        let mut source = Source::new(path, text);
+        match self.language.as_deref() {
+            Some("wgsl") => source.language = Language::Wgsl,
+            Some(_) => source.language = Language::Glsl,
+            None => {}
+        }
+        source.stage = match source.language {
+            Language::Glsl => self.stage.as_deref().and_then(Stage::from_name).or(source.stage),
+            Language::Wgsl => None,
+        };
+        source
+    }
+
+    /// A number that is another when anything is that findings of one shader depend on.
+    pub fn fingerprint(&self) -> u64 {
+        // What else is checked changes nothing about one shader.
+        let alone = Basis { searched: Vec::new(), whole: false, ..self.clone() };
+        digest::fnv(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
+    }
+}

@@ -1,0 +1,215 @@
+//! `landfall check`: every shader held against the lints and its lock.
+//!
+//! configuration and flags → [`basis`] → a [`pass`] over all shaders, each looked at by [`one`]
+//! unless the [`cache`] knows it → [`tree`] over all → [`mend`] → [`reports`].
+
+mod basis;
+mod cache;
+mod mend;
+mod one;
+mod pass;
+pub mod reports;
+pub mod shard;
+pub mod tree;
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use landfall::source::Files;
+use landfall::{Diagnostic, Error};
+
+use crate::args::{CheckArgs, ReadArgs};
+use crate::config::{self, Config, slashes};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::read;
+use basis::{Basis, Scope};
+use cache::Cache;
+use landfall::emit::findings::ReportFormat;
+use pass::{Pass, Run};
+
+/// Said once instead of a finding a shader.
+pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check \
+                            can tell when one changes\n";
+
+/// Where locks are unless somebody says otherwise.
+const LOCKS: &str = "layouts";
+
+pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    refuse(args)?;
+    let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
+        return Ok(Outcome::CouldNot);
+    };
+    for pattern in &args.exclude {
+        config.exclude.add(pattern).map_err(|cause| config::bad_glob(pattern, &cause))?;
+    }
+    config.exclude.ready();
+    let settings = match config.settings(&args.levels.levels, &args.text.targets) {
+        Ok(settings) => settings,
+        Err(found) => return Ok(could_not(found, streams)),
+    };
+    let options = config.options(&args.text, &args.levels.defines);
+    let paths = paths(args, &config);
+    let scope = scope(args, &config, &paths);
+    let language = args.text.language.map(|language| language.language());
+    let basis = Basis::new(scope, &options, args.text.stage, language, settings);
+    let (paths, stdin) = stdin(paths, args)?;
+    let run = Run {
+        basis: &basis,
+        options: basis.options(),
+        root: &config.root,
+        paths,
+        exclude: &config.exclude,
+        shard: args.shard,
+        jobs: args.jobs,
+        stdin,
+    };
+    let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
+    let mut cache = folder.map(|folder| Cache::open(folder, &basis)).unwrap_or_default();
+    let before = cache.tree.as_ref().map(|tree| tree.key);
+    let known = std::mem::take(&mut cache.known);
+    // Locks are written once everything is mended.
+    let accept = args.accept && !args.fix;
+    let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
+    if args.diff {
+        return diff(&run, pass, &mut cache, streams);
+    }
+    let mut mended = mend::Mended::default();
+    if args.fix {
+        (pass, mended) = mend::fix(&run, pass, &mut cache.tree, streams)?;
+        if args.accept {
+            pass = run.pass(pass.into_known(), &HashMap::new(), true, streams)?;
+        }
+    }
+    for error in &mended.refused {
+        pass.no_input.push(one::of_diagnostic(
+            &Diagnostic { code: "output", ..error.clone().into() },
+            &Files::default(),
+        ));
+    }
+    let findings = match args.shard {
+        // Lints over all shaders have to wait for the others.
+        Some(_) => tree::sorted(tree::alone(&pass)),
+        None => tree::findings(&mut pass, &basis, &run.options, &config.root, &mut cache.tree),
+    };
+    let is_new = pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key) != before;
+    if folder.is_some() && is_new {
+        if let Err(error) = cache.write(&pass) {
+            streams.notes(&format!("nothing is remembered: {error}\n"));
+        }
+    }
+    let texts = reports::Texts::new(run.stdin.clone());
+    let result = reports::Result {
+        findings: &findings,
+        shaders: pass.checked.len(),
+        failures: pass.failures(),
+        texts: &texts,
+        shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
+    };
+    let outcome = reports::write(&result, &args.formats, args.statistics, streams)?;
+    if folder.is_some() {
+        let all = reports::counted(pass.checked.len(), "shader");
+        streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
+    }
+    if args.fix {
+        streams.notes(&mend::told(&mended));
+    }
+    tell_of_locks(&pass, &basis, args, streams);
+    Ok(outcome)
+}
+
+fn tell_of_locks(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
+    if pass.accepted > 0 {
+        streams.notes(&format!("accepted {}\n", reports::counted(pass.accepted, "layout")));
+    }
+    if basis.locks.is_none() && args.shard.is_none() {
+        streams.notes(NO_LOCKS);
+    }
+}
+
+/// What cannot be asked for together.
+fn refuse(args: &CheckArgs) -> Result<(), Error> {
+    if let Some(error) = reports::refused(&args.formats) {
+        return Err(error);
+    }
+    let has_json = args.formats.iter().any(|report| report.format == ReportFormat::Json);
+    if let (Some(shard), false) = (args.shard, has_json) {
+        let name = format!("--shard {}/{}", shard.index, shard.count);
+        let help = format!("add `--format json=shard-{}.json`", shard.index);
+        return Err(
+            Error::new(name, "writes no report that `landfall merge` could read").with_help(help)
+        );
+    }
+    Ok(())
+}
+
+fn could_not(found: Diagnostic, streams: &Streams) -> Outcome {
+    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    Outcome::CouldNot
+}
+
+/// What is checked: what was named, what the configuration says, or all there is.
+fn paths(args: &CheckArgs, config: &Config) -> Vec<PathBuf> {
+    match (args.paths.is_empty(), config.paths.is_empty()) {
+        (false, _) => args.paths.clone(),
+        (true, false) => config.paths.clone(),
+        (true, true) => vec![config.root.path("")],
+    }
+}
+
+fn scope(args: &CheckArgs, config: &Config, paths: &[PathBuf]) -> Scope {
+    let said = args.locks.clone().or_else(|| config.locks.clone());
+    let usual = config.root.path(LOCKS);
+    let locks = said.or_else(|| usual.is_dir().then_some(usual));
+    let searched = paths.iter().filter(|path| path.is_dir());
+    Scope {
+        root: slashes(&config.root.shown),
+        locks: locks.as_deref().map(slashes),
+        searched: searched.filter_map(|path| config.root.below(path)).collect(),
+        whole: args.paths.is_empty(),
+    }
+}
+
+/// Reads stdin where it is named, and names it as it is to be called.
+fn stdin(
+    paths: Vec<PathBuf>,
+    args: &CheckArgs,
+) -> Result<(Vec<PathBuf>, HashMap<String, String>), Error> {
+    let mut texts = HashMap::new();
+    if !paths.iter().any(|path| read::is_stdin(path)) {
+        return Ok((paths, texts));
+    }
+    let read_args = ReadArgs { text: args.text.clone(), defines: Vec::new() };
+    let name = read::stdin_path(&read_args);
+    texts.insert(name.display().to_string(), read::text(Path::new("-"))?);
+    let named = |path: PathBuf| if read::is_stdin(&path) { name.clone() } else { path };
+    Ok((paths.into_iter().map(named).collect(), texts))
+}
+
+/// `--diff`: what `--fix` would do.
+fn diff(
+    run: &Run<'_>,
+    pass: Pass,
+    cache: &mut Cache,
+    streams: &Streams,
+) -> Result<Outcome, Failure> {
+    let failures = pass.failures();
+    let failed: Vec<_> = tree::alone(&pass)
+        .into_iter()
+        .filter(|f| landfall::lint::lint(&f.code).is_none())
+        .collect();
+    let files = mend::preview(run, pass, &mut cache.tree, streams)?;
+    streams.product(&mend::patch(&files))?;
+    streams.finish()?;
+    if failures > 0 {
+        let texts = reports::Texts::new(run.stdin.clone());
+        let options = landfall::emit::findings::ReportOptions {
+            paint: landfall::emit::Paint::Plain,
+            text: &|path| texts.of(path),
+            shaders: failed.len(),
+        };
+        streams.report(&landfall::emit::findings::report(&failed, ReportFormat::Human, &options));
+        return Ok(Outcome::CouldNot);
+    }
+    streams.notes(&format!("{} would be mended\n", reports::counted(files.len(), "file")));
+    Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
+}

@@ -1,0 +1,186 @@
+//! All shaders of a check, once over: what is unchanged from the last time, the rest anew.
+
+use std::collections::HashMap;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use landfall::file::write_whole;
+use landfall::lint::{Finding, digest};
+use landfall::{Error, Options, ShaderLayout, Source};
+
+use super::basis::Basis;
+use super::one::{Checked, Done, Job, of_diagnostic};
+use crate::args::Shard;
+use crate::config::{Exclude, Root};
+use crate::inputs::{Input, Inputs};
+use crate::output::{Failure, Streams};
+use crate::work;
+
+/// Layouts are kept for lints over all shaders up to this many bytes; past that, those that are
+/// needed are made again.
+const MOST_KEPT: usize = 256 << 20;
+
+const PROGRESS: Duration = Duration::from_millis(500);
+
+/// What is the same for all passes of a check.
+pub struct Run<'a> {
+    pub basis: &'a Basis,
+    pub options: Options,
+    pub root: &'a Root,
+    pub paths: Vec<PathBuf>,
+    pub exclude: &'a Exclude,
+    pub shard: Option<Shard>,
+    pub jobs: Option<NonZeroUsize>,
+    /// Stdin, by the name it goes by.
+    pub stdin: HashMap<String, String>,
+}
+
+/// What a pass found.
+#[derive(Default)]
+pub struct Pass {
+    pub checked: Vec<Checked>,
+    /// What is no file or cannot be searched.
+    pub no_input: Vec<Finding>,
+    /// The same, known only by their number.
+    pub missing: usize,
+    /// Layouts by the number of their shader.
+    pub laid_out: HashMap<usize, (Source, ShaderLayout)>,
+    /// What was known before and is not found again.
+    pub left: HashMap<String, Checked>,
+    /// Shaders that were laid out.
+    pub fresh: usize,
+    /// Locks that were written.
+    pub accepted: usize,
+    kept: usize,
+}
+
+impl Run<'_> {
+    /// Looks at all shaders; `texts` stand for the files of their paths.
+    pub fn pass(
+        &self,
+        mut known: HashMap<String, Checked>,
+        texts: &HashMap<String, String>,
+        accept: bool,
+        streams: &Streams,
+    ) -> Result<Pass, Failure> {
+        let mut pass = Pass::default();
+        let mut all = self.stdin.clone();
+        all.extend(texts.iter().map(|(path, text)| (path.clone(), text.clone())));
+        let mut same = Vec::new();
+        let mut since = streams.shows_progress().then(Instant::now);
+        let job = Job {
+            basis: self.basis,
+            options: &self.options,
+            root: self.root,
+            known: &known,
+            texts: &all,
+            accept,
+            hashes: Mutex::default(),
+        };
+        work::ordered(
+            Inputs::new(self.paths.clone()).filter(|input| self.is_ours(input)),
+            self.jobs,
+            |input| job.one(input),
+            |done| {
+                match done {
+                    // Taken out of what is known once the threads are done with it.
+                    Done::Same(path) => {
+                        same.push((pass.checked.len(), path));
+                        pass.checked.push(blank());
+                    }
+                    Done::NoInput(found) => pass.no_input.push(*found),
+                    Done::Fresh(fresh) => pass.take(*fresh),
+                }
+                if let Some(last) = since.as_mut().filter(|last| last.elapsed() >= PROGRESS) {
+                    *last = Instant::now();
+                    streams.progress(&format!("{} shaders checked", pass.checked.len()));
+                }
+                Ok::<(), Failure>(())
+            },
+        )?;
+        for (number, path) in same {
+            if let Some(known) = known.remove(&path) {
+                pass.checked[number] = known;
+            }
+        }
+        pass.left = known;
+        Ok(pass)
+    }
+
+    /// Whether an input is in this run: not left out, and in this shard.
+    fn is_ours(&self, input: &Result<Input, Error>) -> bool {
+        let Ok(input) = input else { return true };
+        let below = self.root.below(&input.path);
+        if below.as_deref().is_some_and(|below| self.exclude.takes(below)) {
+            return false;
+        }
+        let Some(shard) = self.shard else { return true };
+        let name = below.unwrap_or_else(|| self.root.show(&input.path));
+        digest::fnv(name.as_bytes()) % u64::from(shard.count) == u64::from(shard.index - 1)
+    }
+}
+
+fn blank() -> Checked {
+    Checked {
+        path: String::new(),
+        hash: 0,
+        includes: Vec::new(),
+        absent: Vec::new(),
+        lock: None,
+        failed: false,
+        findings: Vec::new(),
+        blocks: Vec::new(),
+        allows: Vec::new(),
+    }
+}
+
+impl Pass {
+    fn take(&mut self, fresh: super::one::Fresh) {
+        let weight = fresh.weight();
+        let number = self.checked.len();
+        self.fresh += 1;
+        self.checked.push(fresh.checked);
+        if let Some(laid_out) = fresh.laid_out {
+            self.kept += weight;
+            if self.kept <= MOST_KEPT {
+                self.laid_out.insert(number, laid_out);
+            }
+        }
+        if let Some((path, text)) = fresh.lock {
+            match write_whole(&path, text) {
+                Ok(()) => self.accepted += 1,
+                Err(error) => self.fail(number, error),
+            }
+        }
+    }
+
+    fn fail(&mut self, number: usize, error: Error) {
+        let checked = &mut self.checked[number];
+        let found = of_diagnostic(&error.into(), &Default::default());
+        checked.failed = true;
+        checked.findings.push(found);
+    }
+
+    /// Shaders that could not be judged, and inputs that are none.
+    pub fn failures(&self) -> usize {
+        self.missing
+            + self.no_input.len()
+            + self.checked.iter().filter(|checked| checked.failed).count()
+    }
+
+    /// What is known of each shader, for the next pass.
+    pub fn into_known(self) -> HashMap<String, Checked> {
+        let mut known = self.left;
+        known.extend(self.checked.into_iter().map(|checked| (checked.path.clone(), checked)));
+        known
+    }
+}
+
+/// The text of a shader as it is on disk now.
+pub fn source(basis: &Basis, path: &str) -> Option<Source> {
+    let bytes = std::fs::read(Path::new(path)).ok()?;
+    let text = landfall::source::decode(path, bytes).ok()?;
+    Some(basis.source(path, &text))
+}

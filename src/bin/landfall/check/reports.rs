@@ -1,0 +1,191 @@
+//! Findings to where they were asked for: files whole or not at all, one report on stdout, a
+//! line in sum on stderr.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::sync::Arc;
+
+use landfall::Error;
+use landfall::emit::Paint;
+use landfall::emit::findings::{ReportFormat, ReportOptions, github_summary, report};
+use landfall::file::{reason, write_whole};
+use landfall::lint::{Finding, Level};
+
+use crate::args::Report;
+use crate::output::{Failure, Outcome, Streams};
+
+/// Texts of files by the paths that findings spell.
+pub struct Texts {
+    given: HashMap<String, String>,
+    read: RefCell<HashMap<String, Option<Arc<str>>>>,
+}
+
+impl Texts {
+    /// The files on disk, but for those given.
+    pub fn new(given: HashMap<String, String>) -> Texts {
+        Texts { given, read: RefCell::default() }
+    }
+
+    pub fn of(&self, path: &str) -> Option<Arc<str>> {
+        let mut read = self.read.borrow_mut();
+        if let Some(text) = read.get(path) {
+            return text.clone();
+        }
+        let text = match self.given.get(path) {
+            Some(text) => Some(Arc::from(text.as_str())),
+            None => std::fs::read_to_string(path).ok().map(|text| {
+                // Places are counted without a byte-order mark.
+                Arc::from(text.strip_prefix('\u{feff}').unwrap_or(&text))
+            }),
+        };
+        read.insert(path.to_string(), text.clone());
+        text
+    }
+}
+
+/// What a run came to.
+pub struct Result<'a> {
+    pub findings: &'a [Finding],
+    pub shaders: usize,
+    /// Shaders that could not be judged, and inputs that are none.
+    pub failures: usize,
+    pub texts: &'a Texts,
+    /// What a shard's report holds besides: a field of the JSON object.
+    pub shard: Option<String>,
+}
+
+/// At most one report goes to stdout, and no two to one file.
+pub fn refused(formats: &[Report]) -> Option<Error> {
+    let twice =
+        formats.iter().enumerate().find(|(i, a)| formats[..*i].iter().any(|b| a.file == b.file));
+    twice.map(|(_, report)| match &report.file {
+        None => Error::new("<stdout>", "cannot take two reports")
+            .with_help("give all but one a file: `--format sarif=check.sarif`"),
+        Some(file) => Error::new(file.display().to_string(), "cannot take two reports"),
+    })
+}
+
+/// Writes every report, and the line in sum.
+pub fn write(
+    result: &Result<'_>,
+    formats: &[Report],
+    statistics: bool,
+    streams: &Streams,
+) -> std::result::Result<Outcome, Failure> {
+    let human = [Report { format: ReportFormat::Human, file: None }];
+    let formats = if formats.is_empty() { &human[..] } else { formats };
+    let text = |path: &str| result.texts.of(path);
+    let options = |paint| ReportOptions { paint, text: &text, shaders: result.shaders };
+    for wanted in formats {
+        if let Some(file) = &wanted.file {
+            let text = report(result.findings, wanted.format, &options(Paint::Plain));
+            write_whole(file, with_shard(text, wanted.format, result))?;
+        }
+    }
+    if formats.iter().any(|wanted| wanted.format == ReportFormat::Github) {
+        if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())
+        {
+            let text = github_summary(result.findings, &options(Paint::Plain));
+            // The file is the step's: what ran before may have written to it.
+            let file = std::fs::OpenOptions::new().create(true).append(true).open(&path);
+            file.and_then(|mut file| file.write_all(text.as_bytes())).map_err(|cause| {
+                let message = format!("cannot be written: {}", reason(&cause));
+                Error::new(path.to_string_lossy(), message)
+            })?;
+        }
+    }
+    if let Some(wanted) = formats.iter().find(|wanted| wanted.file.is_none()) {
+        let for_people = match wanted.format {
+            ReportFormat::Human | ReportFormat::Short => true,
+            ReportFormat::Json
+            | ReportFormat::Github
+            | ReportFormat::Sarif
+            | ReportFormat::Junit => false,
+        };
+        let paint = if for_people { streams.paint } else { Paint::Plain };
+        let denied: Vec<Finding>;
+        let findings = if for_people && streams.is_quiet() {
+            let loud = result.findings.iter().filter(|finding| finding.level == Level::Deny);
+            denied = loud.cloned().collect();
+            &denied
+        } else {
+            result.findings
+        };
+        let text = report(findings, wanted.format, &options(paint));
+        streams.product(&with_shard(text, wanted.format, result))?;
+    }
+    streams.finish()?;
+    if statistics {
+        streams.notes(&counts(result.findings));
+    }
+    streams.notes(&in_sum(result));
+    Ok(outcome(result))
+}
+
+fn outcome(result: &Result<'_>) -> Outcome {
+    match result.findings.iter().any(|finding| finding.level == Level::Deny) {
+        _ if result.failures > 0 => Outcome::CouldNot,
+        true => Outcome::Findings,
+        false => Outcome::Clean,
+    }
+}
+
+/// A JSON report with what `merge` wants to know besides.
+fn with_shard(text: String, format: ReportFormat, result: &Result<'_>) -> String {
+    match (&result.shard, format) {
+        (Some(shard), ReportFormat::Json) => {
+            let body = text.trim_end().strip_suffix('}').expect("a JSON report is an object");
+            format!("{body},\"shard\":{shard}}}\n")
+        }
+        _ => text,
+    }
+}
+
+/// `checked 73 shaders: 2 denied, 5 warnings; 3 can be mended with --fix`.
+fn in_sum(result: &Result<'_>) -> String {
+    let count = |level| result.findings.iter().filter(|f| f.level == level).count();
+    let no_lint = |f: &&Finding| f.level == Level::Deny && landfall::lint::lint(&f.code).is_none();
+    let errors = result.findings.iter().filter(no_lint).count();
+    let (denied, warned) = (count(Level::Deny) - errors, count(Level::Warn));
+    let mut parts = Vec::new();
+    if errors > 0 {
+        parts.push(counted(errors, "error"));
+    }
+    if denied > 0 {
+        parts.push(format!("{denied} denied"));
+    }
+    if warned > 0 {
+        parts.push(counted(warned, "warning"));
+    }
+    if parts.is_empty() {
+        parts.push("nothing to report".to_string());
+    }
+    let mendable = result.findings.iter().filter(|finding| !finding.fix.is_empty()).count();
+    let mut text = format!("checked {}: {}", counted(result.shaders, "shader"), parts.join(", "));
+    if mendable > 0 {
+        let _ = write!(text, "; {mendable} can be mended with --fix");
+    }
+    text.push('\n');
+    text
+}
+
+/// Findings of each lint, most first.
+fn counts(findings: &[Finding]) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for finding in findings {
+        *counts.entry(&finding.code).or_default() += 1;
+    }
+    let mut rows: Vec<(&str, usize)> = counts.into_iter().collect();
+    rows.sort_by_key(|(code, count)| (usize::MAX - count, *code));
+    rows.into_iter().fold(String::new(), |mut text, (code, count)| {
+        let _ = writeln!(text, "{count:>6}  {code}");
+        text
+    })
+}
+
+/// `1 shader`, `2 shaders`.
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}

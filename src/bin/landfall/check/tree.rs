@@ -1,0 +1,157 @@
+//! What is found by looking at all shaders: lints over all of them, locks without a shader, and
+//! comments that allow what is not there.
+//!
+//! Reads what a [`Pass`] left, or what the reports of all shards did.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use landfall::lint::allow::{Allow, suppress, unused};
+use landfall::lint::digest::{BlockDigest, concerned, fnv};
+use landfall::lint::{Check, Finding, Level, Subject, lint, run};
+use landfall::{Options, ShaderLayout, Source, layout, lock};
+
+use super::basis::Basis;
+use super::one::Checked;
+use super::pass::{Pass, source};
+use crate::config::{Root, slashes};
+
+/// What lints over all shaders found, before comments: kept while no shader changes.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Remembered {
+    pub key: u64,
+    pub findings: Vec<Finding>,
+}
+
+/// All findings of a run in their final order; `remembered` is brought up to date.
+pub fn findings(
+    pass: &mut Pass,
+    basis: &Basis,
+    options: &Options,
+    root: &Root,
+    remembered: &mut Option<Remembered>,
+) -> Vec<Finding> {
+    let key = key(pass, basis);
+    let over_all = match remembered {
+        Some(remembered) if remembered.key == key => remembered.findings.clone(),
+        _ => {
+            let findings = ask(pass, basis, options);
+            *remembered = Some(Remembered { key, findings: findings.clone() });
+            findings
+        }
+    };
+    let mut more = over_all;
+    more.extend(run::at_levels(orphans(basis, root), &basis.settings));
+    let mut allows: Vec<Allow> =
+        pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
+    suppress(&mut more, &mut allows);
+    more.extend(unused(&allows, &basis.settings, |code| is_asked(code, basis)));
+    more.extend(alone(pass));
+    sorted(more)
+}
+
+/// What was found in the shaders one by one.
+pub fn alone(pass: &Pass) -> Vec<Finding> {
+    let each = pass.checked.iter().flat_map(|checked| checked.findings.iter().cloned());
+    each.chain(pass.no_input.iter().cloned()).collect()
+}
+
+/// Findings by place, each once: an include that two shaders share is found fault with twice.
+pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
+    fn order(f: &Finding) -> (&str, u32, u32, &str, &str, &str, u32) {
+        let place = &f.place;
+        (&place.path, place.line, place.column, &f.code, &f.about, &f.message, place.end)
+    }
+    findings.sort_by(|a, b| order(a).cmp(&order(b)));
+    findings.dedup();
+    findings
+}
+
+/// A number that is another when lints over all shaders may find something else.
+fn key(pass: &Pass, basis: &Basis) -> u64 {
+    let mut text = String::new();
+    let mut add = |part: &str| {
+        text.push_str(part);
+        text.push('\n');
+    };
+    let mut shaders: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
+    shaders.sort_by(|a, b| a.path.cmp(&b.path));
+    for checked in shaders {
+        add(&format!("{} {:x}", checked.path, checked.hash));
+        for (include, hash) in &checked.includes {
+            add(&format!("{include} {hash:x}"));
+        }
+    }
+    for mirror in &basis.settings.rust_mirrors {
+        add(&format!("{} {:x?}", mirror.file, fs::read(&mirror.file).ok().map(|b| fnv(&b))));
+    }
+    fnv(text.as_bytes())
+}
+
+/// Asks lints that look at all shaders, about those they may have something to say about.
+fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
+    let blocks: Vec<&[BlockDigest]> = pass.checked.iter().map(|c| c.blocks.as_slice()).collect();
+    let numbers = concerned(&blocks, &basis.settings);
+    let mut subjects: Vec<(Source, ShaderLayout)> = Vec::with_capacity(numbers.len());
+    for number in numbers {
+        let laid_out = pass.laid_out.remove(&number).or_else(|| {
+            let source = source(basis, &pass.checked[number].path)?;
+            let shader = layout(&source, options);
+            Some((source, shader))
+        });
+        subjects.extend(laid_out.filter(|(_, shader)| !shader.has_errors()));
+    }
+    let subjects: Vec<Subject<'_>> =
+        subjects.iter().map(|(source, shader)| Subject { source, options, shader }).collect();
+    run::ask_tree(&subjects, &basis.settings)
+}
+
+/// Whether a lint was asked, so that a comment that allows it can be told to be idle.
+fn is_asked(code: &str, basis: &Basis) -> bool {
+    match lint(code).map(|lint| lint.check) {
+        Some(Check::Shader(_)) => true,
+        // The other copy may be in a file that was not looked at.
+        Some(Check::Tree(_)) => basis.whole,
+        Some(Check::Elsewhere) => {
+            basis.locks.is_some() && (code == "layout-drift" || code == "lock-missing")
+        }
+        None => false,
+    }
+}
+
+/// Locks whose shader is gone from what was searched.
+fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
+    let Some(locks) = basis.locks.as_deref().map(Path::new) else { return Vec::new() };
+    if run::level("lock-orphan", &basis.settings) == Level::Allow || basis.searched.is_empty() {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    files(locks, &mut found);
+    found.sort();
+    let mut orphans = Vec::new();
+    for path in found {
+        let Some(below) = path.strip_prefix(locks).ok().map(slashes) else { continue };
+        let Some(shader) = below.strip_suffix(".json") else { continue };
+        let searched = basis.searched.iter().any(|folder| {
+            folder.is_empty()
+                || shader.strip_prefix(folder.as_str()).is_some_and(|rest| rest.starts_with('/'))
+        });
+        let is_lock = lock::path_of(locks, Path::new(shader)) == path;
+        if searched && is_lock && !root.shown.join(shader).exists() {
+            orphans.push(lock::orphan(&slashes(&path)));
+        }
+    }
+    orphans
+}
+
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        // A link to a folder above would be followed without end.
+        match entry.file_type() {
+            Ok(kind) if kind.is_dir() => files(&path, found),
+            Ok(_) => found.push(path),
+            Err(_) => {}
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Arithmetic as it stands beside a `glBufferData`: `48 * 128 + 4`, `0x20`, `(3 + 1) * 16`.
+
+use std::ops::Range;
+
+/// Parentheses may nest this deep.
+const DEEPEST: usize = 64;
+
+/// What is wrong with a figure, and where in its text.
+pub type Wrong = (Range<usize>, String);
+
+/// The value of a figure.
+pub fn value(text: &str) -> Result<u64, Wrong> {
+    let mut reader = Reader { text, at: 0, depth: 0 };
+    let value = reader.sum()?;
+    reader.skip();
+    if reader.at < text.len() {
+        return Err(reader.wrong_here("is no part of a sum of products"));
+    }
+    Ok(value)
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+    depth: usize,
+}
+
+impl Reader<'_> {
+    fn skip(&mut self) {
+        let rest = &self.text[self.at..];
+        self.at += rest.len() - rest.trim_start().len();
+    }
+
+    fn peek(&mut self) -> Option<char> {
+        self.skip();
+        self.text[self.at..].chars().next()
+    }
+
+    fn wrong_here(&mut self, what: &str) -> Wrong {
+        match self.peek() {
+            Some(c) => (self.at..self.at + c.len_utf8(), format!("`{c}` {what}")),
+            None => (self.at..self.at, "ends where a number is wanted".to_string()),
+        }
+    }
+
+    fn sum(&mut self) -> Result<u64, Wrong> {
+        let start = self.at;
+        let mut sum = self.product()?;
+        while let Some(sign @ ('+' | '-')) = self.peek() {
+            self.at += 1;
+            let more = self.product()?;
+            let next = if sign == '+' { sum.checked_add(more) } else { sum.checked_sub(more) };
+            sum = next.ok_or_else(|| {
+                let what = if sign == '+' { "is past 64 bits" } else { "is below 0" };
+                (start..self.at, format!("`{}` {what}", self.text[start..self.at].trim()))
+            })?;
+        }
+        Ok(sum)
+    }
+
+    fn product(&mut self) -> Result<u64, Wrong> {
+        let start = self.at;
+        let mut product = self.factor()?;
+        while self.peek() == Some('*') {
+            self.at += 1;
+            let more = self.factor()?;
+            product = product.checked_mul(more).ok_or_else(|| {
+                (start..self.at, format!("`{}` is past 64 bits", self.text[start..self.at].trim()))
+            })?;
+        }
+        Ok(product)
+    }
+
+    fn factor(&mut self) -> Result<u64, Wrong> {
+        match self.peek() {
+            Some('(') => {
+                let open = self.at;
+                self.at += 1;
+                self.depth += 1;
+                if self.depth > DEEPEST {
+                    return Err((open..open + 1, format!("nests more than {DEEPEST} parentheses")));
+                }
+                let value = self.sum()?;
+                if self.peek() != Some(')') {
+                    return Err((open..open + 1, "`(` is not closed".to_string()));
+                }
+                self.at += 1;
+                self.depth -= 1;
+                Ok(value)
+            }
+            Some(c) if c.is_ascii_digit() => self.number(),
+            _ => Err(self.wrong_here("is no number")),
+        }
+    }
+
+    fn number(&mut self) -> Result<u64, Wrong> {
+        let rest = &self.text[self.at..];
+        let len = rest.find(|c: char| c != '_' && !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
+        let range = self.at..self.at + len;
+        self.at += len;
+        let word = &rest[..len];
+        let digits = word.replace('_', "");
+        let value = match digits.strip_prefix("0x").or(digits.strip_prefix("0X")) {
+            Some(digits) => u64::from_str_radix(digits, 16),
+            None => digits.parse(),
+        };
+        value.map_err(|cause| {
+            let past = *cause.kind() == std::num::IntErrorKind::PosOverflow;
+            (range, format!("`{word}` is {}", if past { "past 64 bits" } else { "no number" }))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_come_before_sums_and_parentheses_before_both() {
+        for (text, expected) in [
+            ("48 * 128 + 4", 6148),
+            ("6160", 6160),
+            ("0x20", 32),
+            ("(3+1)*0x10", 64),
+            ("4 + 48*128", 6148),
+            ("10 - 2 - 3", 5),
+            ("1_024", 1024),
+        ] {
+            assert_eq!(value(text), Ok(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_figure_is_told_with_its_place() {
+        for (text, place, words) in [
+            ("48 *", 4..4, "ends where"),
+            ("", 0..0, "ends where"),
+            ("48 x 128", 3..4, "`x` is no part"),
+            ("(4", 0..1, "not closed"),
+            ("4 - 8", 0..5, "`4 - 8` is below 0"),
+            ("0x", 0..2, "`0x` is no number"),
+            ("99999999999999999999", 0..20, "past 64 bits"),
+            ("4294967296 * 4294967296", 0..23, "past 64 bits"),
+            ("4 + é", 4..6, "`é` is no number"),
+        ] {
+            let (range, message) = value(text).unwrap_err();
+            assert_eq!(range, place, "{text}");
+            assert!(message.contains(words), "{text}: {message}");
+        }
+        assert!(value(&"(".repeat(100_000)).unwrap_err().1.contains("nests"));
+    }
+}

@@ -1,0 +1,134 @@
+//! The folder that the paths of a project are relative to.
+
+use std::path::{Component, Path, PathBuf};
+
+use landfall::Error;
+use landfall::file::reason;
+
+/// A folder as messages show it and as it is.
+#[derive(Clone, Debug, Default)]
+pub struct Root {
+    /// From the current folder; empty for that itself.
+    pub shown: PathBuf,
+    real: PathBuf,
+    current: PathBuf,
+}
+
+impl Root {
+    /// The root that is shown as that path.
+    pub fn new(shown: &Path) -> Result<Root, Error> {
+        let current = current()?;
+        Ok(Root { shown: clean(shown), real: absolute(&current, shown), current })
+    }
+
+    /// A path that the configuration names, as messages show it.
+    pub fn path(&self, named: &str) -> PathBuf {
+        let joined = clean(&self.shown.join(named));
+        if joined.as_os_str().is_empty() { PathBuf::from(".") } else { joined }
+    }
+
+    /// A glob that the configuration names, as it matches paths that messages show.
+    pub fn glob(&self, named: &str) -> String {
+        let named = named.strip_prefix("./").unwrap_or(named);
+        if named.is_empty() || self.shown.as_os_str().is_empty() {
+            return named.to_string();
+        }
+        slashes(&self.shown.join(named))
+    }
+
+    /// Where a file is below the root; `None` outside of it.
+    pub fn below(&self, path: &Path) -> Option<String> {
+        // Most paths need no look at the current folder.
+        if self.shown.as_os_str().is_empty()
+            && path.components().all(|c| matches!(c, Component::Normal(_)))
+        {
+            return Some(slashes(path));
+        }
+        let real = absolute(&self.current, path);
+        real.strip_prefix(&self.real).ok().map(slashes)
+    }
+
+    /// A file as messages show it: the same however the command line spells it.
+    pub fn show(&self, path: &Path) -> String {
+        match self.below(path) {
+            Some(below) => slashes(&self.shown.join(below)),
+            None => slashes(&clean(path)),
+        }
+    }
+}
+
+/// The current folder.
+pub fn current() -> Result<PathBuf, Error> {
+    let failed = |cause| Error::new(".", format!("cannot be found: {}", reason(&cause)));
+    std::env::current_dir().map_err(failed)
+}
+
+/// A path from the root of the file system, without `.` and `..`.
+pub fn absolute(current: &Path, path: &Path) -> PathBuf {
+    let mut real = PathBuf::new();
+    for part in current.join(path).components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                real.pop();
+            }
+            Component::Prefix(_) | Component::RootDir | Component::Normal(_) => real.push(part),
+        }
+    }
+    real
+}
+
+/// The way from one folder to another, both from the root of the file system.
+pub fn way(from: &Path, to: &Path) -> PathBuf {
+    let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return to.to_path_buf();
+    }
+    let up = from.components().skip(common).map(|_| Component::ParentDir);
+    up.chain(to.components().skip(common)).collect()
+}
+
+/// A path with `/` between its parts.
+pub fn slashes(path: &Path) -> String {
+    let text = path.display().to_string();
+    if std::path::MAIN_SEPARATOR == '/' {
+        text
+    } else {
+        text.replace(std::path::MAIN_SEPARATOR, "/")
+    }
+}
+
+fn clean(path: &Path) -> PathBuf {
+    path.components().filter(|part| *part != Component::CurDir).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn root(shown: &str, real: &str) -> Root {
+        Root { shown: shown.into(), real: real.into(), current: "/p/sub".into() }
+    }
+
+    #[test]
+    fn a_file_is_shown_alike_however_it_is_spelled() {
+        let above = root("..", "/p");
+        for spelled in ["a.frag", "./a.frag", "../sub/a.frag", "/p/sub/a.frag"] {
+            assert_eq!(above.below(Path::new(spelled)).as_deref(), Some("sub/a.frag"), "{spelled}");
+            assert_eq!(above.show(Path::new(spelled)), "../sub/a.frag", "{spelled}");
+        }
+        let here = root("", "/p/sub");
+        assert_eq!(here.show(Path::new("./x/../a.frag")), "a.frag");
+        assert_eq!(here.below(Path::new("../b.frag")), None);
+        assert_eq!(here.show(Path::new("../b.frag")), "../b.frag");
+    }
+
+    #[test]
+    fn the_way_goes_up_and_down() {
+        let way = |from, to| way(Path::new(from), Path::new(to)).display().to_string();
+        assert_eq!(way("/p/sub/x", "/p"), "../..");
+        assert_eq!(way("/p", "/p/sub"), "sub");
+        assert_eq!(way("/p/a", "/p/b/c"), "../b/c");
+        assert_eq!(way("/p", "/p"), "");
+    }
+}

@@ -1,0 +1,369 @@
+//! The values of a TOML file with their places, and what is said when one is not as it should be.
+//!
+//! Every fault is collected, so that a file is mended in one go.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use landfall::lint::{Place, nearest};
+use landfall::source::Files;
+use landfall::{Diagnostic, Span};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A file to read.
+pub struct Document {
+    files: Files,
+    found: RefCell<Vec<Diagnostic>>,
+}
+
+/// A text in the file.
+#[derive(Clone, Debug)]
+pub struct Text {
+    pub value: String,
+    pub span: Span,
+}
+
+/// A table of which keys are asked for by name; those that nobody asked for are unknown.
+pub struct Keys<'d> {
+    document: &'d Document,
+    table: &'d DeTable<'d>,
+    /// What messages call the table: empty for the file, or `[[table]]`.
+    name: &'static str,
+    span: Span,
+    asked: RefCell<Vec<&'static str>>,
+}
+
+type Value<'d> = Spanned<DeValue<'d>>;
+
+impl Document {
+    pub fn new(path: &str, text: String) -> Document {
+        let mut files = Files::default();
+        files.add(path, text.into());
+        Document { files, found: RefCell::default() }
+    }
+
+    /// Reads the file's own keys; its faults with the file when there are any.
+    pub fn read<T>(self, read: impl FnOnce(&Keys<'_>) -> T) -> Result<T, (Vec<Diagnostic>, Files)> {
+        let text = self.files.get(0).map(|file| file.text.clone()).unwrap_or_default();
+        let result = match DeTable::parse(&text) {
+            Ok(table) => {
+                let keys = Keys::new(&self, table.get_ref(), "", span(0..0));
+                let result = read(&keys);
+                keys.finish();
+                Some(result)
+            }
+            Err(cause) => {
+                let at = cause.span().unwrap_or(0..0);
+                let message = cause.message().lines().collect::<Vec<_>>().join(", ");
+                self.add(Diagnostic::error("syntax", span(at), message));
+                None
+            }
+        };
+        let mut found = self.found.into_inner();
+        match result {
+            Some(result) if found.is_empty() => Ok(result),
+            _ => {
+                found.sort_by_key(|d| d.labels.first().map_or(0, |label| label.span.start));
+                Err((found, self.files))
+            }
+        }
+    }
+
+    fn add(&self, found: Diagnostic) {
+        self.found.borrow_mut().push(found);
+    }
+}
+
+fn span(range: Range<usize>) -> Span {
+    Span { file: 0, start: range.start as u32, end: range.end as u32 }
+}
+
+impl<'d> Keys<'d> {
+    fn new(
+        document: &'d Document,
+        table: &'d DeTable<'d>,
+        name: &'static str,
+        span: Span,
+    ) -> Keys<'d> {
+        Keys { document, table, name, span, asked: RefCell::default() }
+    }
+
+    /// Reports the keys that nobody asked for.
+    fn finish(&self) {
+        let asked = self.asked.borrow();
+        for key in self.table.keys() {
+            let name = key.get_ref().as_ref();
+            if asked.contains(&name) {
+                continue;
+            }
+            let whose = match self.name {
+                "" => "the configuration".to_string(),
+                name => format!("`{name}`"),
+            };
+            let known = asked.iter().copied();
+            // `mirror_group`, `mirror-groups`: what people write instead.
+            let near = nearest(&name.replace('_', "-"), known.clone());
+            let help = match near {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("{whose} has {}", quoted(known)),
+            };
+            let message = format!("{whose} has no key `{name}`");
+            self.add(Diagnostic::error("unknown-key", span(key.span()), message).with_help(help));
+        }
+    }
+
+    pub fn add(&self, found: Diagnostic) {
+        self.document.add(found);
+    }
+
+    /// Where the table is.
+    pub fn place(&self) -> Place {
+        self.place_of(self.span)
+    }
+
+    pub fn place_of(&self, span: Span) -> Place {
+        Place::of(&self.document.files, span)
+    }
+
+    /// The text of a value as it is written.
+    pub fn written(&self, span: Span) -> &str {
+        self.document.files.text(span)
+    }
+
+    fn get(&self, key: &'static str) -> Option<&'d Value<'d>> {
+        self.asked.borrow_mut().push(key);
+        self.table.get(key)
+    }
+
+    fn wrong_type(&self, key: &str, value: &Value<'_>, wanted: &str, example: &str) {
+        let message = format!("`{key}` is {}, not {wanted}", a(value.get_ref()));
+        self.add(
+            Diagnostic::error("wrong-type", span(value.span()), message)
+                .with_help(format!("write `{key} = {example}`")),
+        );
+    }
+
+    pub fn text(&self, key: &'static str) -> Option<Text> {
+        let value = self.get(key)?;
+        let text = value.get_ref().as_str();
+        if text.is_none() {
+            self.wrong_type(
+                key,
+                value,
+                "a string",
+                &format!("\"{}\"", self.written(span(value.span()))),
+            );
+        }
+        Some(Text { value: text?.to_string(), span: span(value.span()) })
+    }
+
+    /// A text that has to be there.
+    pub fn needed(&self, key: &'static str) -> Option<Text> {
+        if !self.table.contains_key(key) {
+            self.asked.borrow_mut().push(key);
+            let message = format!("`{}` has no `{key}`", self.name);
+            let found = Diagnostic::error("missing-key", self.span, message);
+            self.add(found.with_help(format!("add `{key} = \"…\"`")));
+            return None;
+        }
+        self.text(key)
+    }
+
+    pub fn bool(&self, key: &'static str) -> Option<bool> {
+        let value = self.get(key)?;
+        let found = value.get_ref().as_bool();
+        if found.is_none() {
+            self.wrong_type(key, value, "true or false", "true");
+        }
+        found
+    }
+
+    pub fn texts(&self, key: &'static str) -> Option<Vec<Text>> {
+        let value = self.get(key)?;
+        self.text_list(key, value)
+    }
+
+    fn text_list(&self, key: &str, value: &Value<'_>) -> Option<Vec<Text>> {
+        let Some(list) = value.get_ref().as_array() else {
+            let written = self.written(span(value.span()));
+            let item =
+                if value.get_ref().is_str() { written.to_string() } else { "\"…\"".into() };
+            self.wrong_type(key, value, "an array of strings", &format!("[{item}]"));
+            return None;
+        };
+        let mut texts = Vec::new();
+        for item in list {
+            match item.get_ref().as_str() {
+                Some(text) => texts.push(Text { value: text.to_string(), span: span(item.span()) }),
+                None => {
+                    let message =
+                        format!("`{key}` holds {}, and wants strings only", a(item.get_ref()));
+                    let help = format!("write `\"{}\"`", self.written(span(item.span())));
+                    let found = Diagnostic::error("wrong-type", span(item.span()), message);
+                    self.add(found.with_help(help));
+                }
+            }
+        }
+        Some(texts)
+    }
+
+    /// An array of arrays of strings.
+    pub fn text_lists(&self, key: &'static str) -> Vec<Vec<Text>> {
+        let Some(value) = self.get(key) else { return Vec::new() };
+        let example = "[[\"SHADOWS=1\"], [\"SHADOWS=2\"]]";
+        match value.get_ref().as_array() {
+            Some(lists) if lists.iter().all(|list| list.get_ref().is_array()) => {
+                lists.iter().filter_map(|list| self.text_list(key, list)).collect()
+            }
+            _ => {
+                self.wrong_type(key, value, "an array of arrays of strings", example);
+                Vec::new()
+            }
+        }
+    }
+
+    /// One of some words.
+    pub fn choice(&self, key: &'static str, words: &[&'static str]) -> Option<&'static str> {
+        let text = self.text(key)?;
+        let found = words.iter().find(|word| **word == text.value).copied();
+        if found.is_none() {
+            self.unknown("wrong-value", key, &text, words);
+        }
+        found
+    }
+
+    /// A word that is none of those it may be.
+    pub fn unknown(&self, code: &'static str, what: &str, text: &Text, known: &[&'static str]) {
+        let message = format!("`{}` is no {what}", text.value);
+        let help = match nearest(&text.value, known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("there is {}", quoted(known.iter().copied())),
+        };
+        self.add(Diagnostic::error(code, text.span, message).with_help(help));
+    }
+
+    /// A text that is read like a flag's value.
+    pub fn parsed<T>(
+        &self,
+        code: &'static str,
+        text: &Text,
+        parse: impl Fn(&str) -> Result<T, String>,
+    ) -> Option<T> {
+        match parse(&text.value) {
+            Ok(value) => Some(value),
+            Err(cause) => {
+                let message = format!("`{}` is not understood", text.value);
+                self.add(Diagnostic::error(code, text.span, message).with_help(cause));
+                None
+            }
+        }
+    }
+
+    pub fn bad_glob(&self, text: &Text, cause: &str) {
+        let message = format!("`{}` is no glob: {cause}", text.value);
+        self.add(
+            Diagnostic::error("bad-glob", text.span, message)
+                .with_help("escape `[`, `{`, `*` and `?` that are meant as they are with `\\`"),
+        );
+    }
+
+    /// The tables of `[[key]]`, each read with its own keys.
+    pub fn tables<T>(
+        &self,
+        key: &'static str,
+        name: &'static str,
+        read: impl Fn(&Keys<'_>) -> Option<T>,
+    ) -> Vec<T> {
+        let Some(value) = self.get(key) else { return Vec::new() };
+        let list = value.get_ref().as_array();
+        let is_tables = list.is_some_and(|list| list.iter().all(|item| item.get_ref().is_table()));
+        let Some(list) = list.filter(|_| is_tables) else {
+            let message = format!("`{key}` is {}, not an array of tables", a(value.get_ref()));
+            let found = Diagnostic::error("wrong-type", span(value.span()), message);
+            self.add(found.with_help(format!("write it under `[[{key}]]`")));
+            return Vec::new();
+        };
+        let mut tables = Vec::new();
+        for item in list {
+            let Some(table) = item.get_ref().as_table() else { continue };
+            let keys = Keys::new(self.document, table, name, span(item.span()));
+            tables.extend(read(&keys));
+            keys.finish();
+        }
+        tables
+    }
+
+    /// The rows of a table whose keys are the user's: key, its span, and the value.
+    pub fn rows(&self, key: &'static str, example: &str) -> Vec<(Text, Row<'d>)> {
+        let Some(value) = self.get(key) else { return Vec::new() };
+        let Some(table) = value.get_ref().as_table() else {
+            self.wrong_type(key, value, "a table", example);
+            return Vec::new();
+        };
+        let mut rows: Vec<(Text, Row<'d>)> = table
+            .iter()
+            .map(|(name, value)| {
+                let text = Text { value: name.get_ref().to_string(), span: span(name.span()) };
+                (text, Row { value })
+            })
+            .collect();
+        rows.sort_by_key(|(name, _)| name.span.start);
+        rows
+    }
+
+    /// The value of a key as it is.
+    pub fn row(&self, key: &'static str) -> Option<Row<'d>> {
+        self.get(key).map(|value| Row { value })
+    }
+}
+
+/// A value whose type is the reader's to judge.
+#[derive(Clone, Copy)]
+pub struct Row<'d> {
+    value: &'d Value<'d>,
+}
+
+impl Row<'_> {
+    pub fn span(&self) -> Span {
+        span(self.value.span())
+    }
+
+    pub fn text(&self) -> Option<Text> {
+        let text = self.value.get_ref().as_str()?;
+        Some(Text { value: text.to_string(), span: self.span() })
+    }
+
+    /// A whole number's digits and their base.
+    pub fn integer(&self) -> Option<(&str, u32)> {
+        let integer = self.value.get_ref().as_integer()?;
+        Some((integer.as_str(), integer.radix()))
+    }
+
+    /// How many items an array has.
+    pub fn len(&self) -> Option<usize> {
+        self.value.get_ref().as_array().map(|list| list.len())
+    }
+
+    /// What it is, in words.
+    pub fn kind(&self) -> &'static str {
+        a(self.value.get_ref())
+    }
+}
+
+fn a(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) => "an integer",
+        DeValue::Float(_) => "a float",
+        DeValue::Boolean(_) => "a boolean",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "an array",
+        DeValue::Table(_) => "a table",
+    }
+}
+
+/// `` `a`, `b` ``.
+fn quoted<'w>(words: impl Iterator<Item = &'w str>) -> String {
+    words.map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,34 @@
+//! `landfall merge`: the report of a whole check from those of its shards.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use crate::args::MergeArgs;
+use crate::check::{NO_LOCKS, reports, shard, tree};
+use crate::config::Root;
+use crate::output::{Failure, Outcome, Streams};
+
+pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    if let Some(error) = reports::refused(&args.formats) {
+        return Err(error.into());
+    }
+    let mut whole = shard::together(&args.reports)?;
+    let (basis, options) = (&whole.basis, whole.basis.options());
+    let root = Root::new(Path::new(&basis.root))?;
+    // Shaders come without their findings, which come by themselves.
+    let over_all = tree::findings(&mut whole.pass, basis, &options, &root, &mut None);
+    let findings = tree::sorted(over_all.into_iter().chain(whole.findings).collect());
+    let texts = reports::Texts::new(HashMap::new());
+    let result = reports::Result {
+        findings: &findings,
+        shaders: whole.pass.checked.len(),
+        failures: whole.pass.failures(),
+        texts: &texts,
+        shard: None,
+    };
+    let outcome = reports::write(&result, &args.formats, args.statistics, streams)?;
+    if whole.basis.locks.is_none() {
+        streams.notes(NO_LOCKS);
+    }
+    Ok(outcome)
+}

@@ -1,0 +1,10 @@
+//! `landfall check`, `merge` and `rule` as a user meets them.
+
+mod cache;
+mod config;
+mod levels;
+mod locks;
+mod mend;
+mod place;
+mod report;
+mod shards;
