@@ -11,7 +11,7 @@ mod jobs;
 use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -263,6 +263,23 @@ fn a_machine_without_egl_says_what_to_install() {
         `libegl1` and `libgl1-mesa-dri` have one in software";
     assert_eq!(failure.message, expected);
     assert!(failure.log.contains("libEGL"), "{failure}");
+}
+
+#[test]
+fn the_process_ends_when_nobody_asks_any_more() {
+    let mut process = Command::new(env!("CARGO_BIN_EXE_landfall"))
+        .args(["reader", "gl"])
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    thread::sleep(Duration::from_millis(50));
+    assert!(process.try_wait().unwrap().is_none(), "it waits for questions");
+    drop(process.stdin.take());
+    let begun = Instant::now();
+    while process.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(20) {
+        thread::sleep(Duration::from_millis(5));
+    }
+    assert!(process.wait().unwrap().success());
 }
 
 fn script(text: &str) -> Launch {
