@@ -7,6 +7,7 @@ pub mod emit;
 pub mod error;
 pub mod file;
 pub mod layout;
+pub mod lint;
 pub mod parse;
 pub mod port;
 pub mod run;

@@ -17,12 +17,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use jobs::{bound, bytes, counting, glsl, job, module, output, storage, uniform, words};
-use landfall::Stage;
 use landfall::run::Module;
 use landfall::run::reader::{
     Failure, FailureKind, Grid, Job, Reader as _, ResourceKind, StageCode, Texel,
 };
 use landfall::run::remote::{Behind, Launch, Remote, list};
+use landfall::{Options, Source, Stage};
 
 fn launch(behind: &Behind) -> Launch {
     Launch::new(env!("CARGO_BIN_EXE_landfall"), behind)
@@ -35,7 +35,9 @@ fn open(behind: &Behind) -> Remote {
 const BOTH: [Behind; 2] = [Behind::Gl, Behind::Gpu(None)];
 
 fn wgsl(text: &str) -> Arc<Module> {
-    Arc::new(Module::of_wgsl_as_naga_reads_it(text).unwrap_or_else(|e| panic!("{e}")))
+    let source = Source::new("test.wgsl", text);
+    let module = Module::by_naga(&source, &Options::default());
+    Arc::new(module.unwrap_or_else(|found| panic!("{found:?}")))
 }
 
 /// One stage in the two forms the drivers take.

@@ -155,3 +155,13 @@ fn findings_keep_to_their_schema() {
         text.lines().for_each(|line| drop(holds(&validator, line, "a finding")));
     }
 }
+
+#[test]
+fn the_schema_of_reports_takes_an_empty_one_and_no_other_version() {
+    let validator = validator("check");
+    let report = "{\"schema_version\":1,\"tool\":{\"name\":\"landfall\",\"version\":\"0.1.0\"},\
+                  \"shaders\":0,\"findings\":[],\"blocks\":[]}";
+    let mut value = holds(&validator, report, "a report");
+    value["schema_version"] = 2.into();
+    assert!(!validator.is_valid(&value));
+}

@@ -1,34 +1,24 @@
 //! Findings for people, with an excerpt of the text, and as JSON, one object a line.
 
 mod excerpt;
-
-use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
+pub(super) mod render;
 
 use super::paint::Paint;
 use super::place::Places;
-use crate::diagnostic::{Diagnostic, Label, Severity};
+use crate::diagnostic::{Diagnostic, Label};
 use crate::source::{Files, Location, Span};
-use excerpt::Excerpt;
+use render::{Drawing, Pen};
 
 /// Findings of one shader that are shown to people; the rest are counted.
 pub const MOST_SHOWN: usize = 100;
 
-/// Columns an excerpt may take before annotate-snippets trims it: more than any line we hand over.
-const WIDTH: usize = 240;
-
 /// The findings of one shader as people read them; at most [`MOST_SHOWN`] errors, then how many
 /// more there are.
 pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String {
-    let mut places = Places::new(files);
-    let renderer = match paint {
-        Paint::Plain => Renderer::plain(),
-        Paint::Ansi => Renderer::styled(),
-    }
-    .term_width(WIDTH);
+    let mut pen = Pen::new(files, paint);
     let mut text = String::new();
     for diagnostic in diagnostics.iter().take(MOST_SHOWN) {
-        text.push_str(&one(diagnostic, files, &mut places, &renderer));
-        text.push_str("\n\n");
+        text.push_str(&pen.draw(drawing(diagnostic)));
     }
     if diagnostics.len() > MOST_SHOWN {
         let more = diagnostics.len() - MOST_SHOWN;
@@ -38,55 +28,22 @@ pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String 
     text
 }
 
-fn one(
-    diagnostic: &Diagnostic,
-    files: &Files,
-    places: &mut Places<'_>,
-    renderer: &Renderer,
-) -> String {
-    let level = match diagnostic.severity {
-        Severity::Error => Level::ERROR,
-        Severity::Warning => Level::WARNING,
-    };
-    let mut elements: Vec<Element<'_>> = Vec::new();
-    let mut notes = diagnostic.notes.clone();
-    let excerpts = excerpt::excerpts(&diagnostic.labels, files, places);
-    for excerpt in &excerpts {
-        elements.push(snippet(excerpt).into());
-        notes.extend(excerpt.elsewhere.iter().cloned());
+fn drawing(diagnostic: &Diagnostic) -> Drawing<'_> {
+    // An unreadable file's own message already begins with its path.
+    let path = diagnostic
+        .path
+        .as_ref()
+        .filter(|path| diagnostic.labels.is_empty() && !diagnostic.message.contains(path.as_str()));
+    Drawing {
+        severity: diagnostic.severity,
+        code: diagnostic.code,
+        message: &diagnostic.message,
+        origin: path.map(|path| Location { path: path.clone(), line: 0, column: 0 }),
+        labels: &diagnostic.labels,
+        notes: diagnostic.notes.clone(),
+        listing: None,
+        help: diagnostic.help.as_deref(),
     }
-    if let (true, Some(path)) = (excerpts.is_empty(), &diagnostic.path) {
-        // An unreadable file's own message already begins with its path.
-        if !diagnostic.message.contains(path.as_str()) {
-            elements.push(Origin::path(path.as_str()).into());
-        }
-    }
-    elements.extend(notes.iter().map(|note| Level::NOTE.message(note.as_str()).into()));
-    let help = diagnostic.help.as_deref();
-    elements.extend(help.map(|help| Level::HELP.message(help).into()));
-    let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code);
-    let group: Group<'_> = title.elements(elements);
-    let mut text = renderer.render(&[group]);
-    // The column of a place in a line that was cut is counted in what was left of it.
-    for cut in excerpts.iter().flat_map(|excerpt| &excerpt.cuts) {
-        let Location { path, line, column } = &cut.at;
-        let shown = format!("{path}:{line}:{}", cut.shown_column);
-        text = text.replacen(&shown, &format!("{path}:{line}:{column}"), 1);
-    }
-    text
-}
-
-fn snippet(excerpt: &Excerpt) -> Snippet<'_, annotate_snippets::Annotation<'_>> {
-    let annotations = excerpt.marks.iter().map(|mark| {
-        let kind = if mark.primary { AnnotationKind::Primary } else { AnnotationKind::Context };
-        let label = (!mark.text.is_empty()).then_some(mark.text.as_str());
-        kind.span(mark.range.clone()).label(label)
-    });
-    Snippet::source(excerpt.text.as_str())
-        .path(excerpt.path.as_str())
-        .line_start(excerpt.first_line as usize)
-        .fold(true)
-        .annotations(annotations)
 }
 
 /// The findings of one shader as JSON, one object a line, all of them.

@@ -11,6 +11,7 @@ pub mod devices;
 pub mod diagnostics;
 mod expand;
 pub mod explain;
+pub mod findings;
 pub mod hex;
 mod json;
 mod listing;
@@ -19,7 +20,11 @@ mod paint;
 mod place;
 pub mod rust;
 mod table;
+#[cfg(feature = "cli")]
+pub mod unified;
 pub mod values;
+pub mod verify;
+mod visible;
 mod words;
 
 pub use expand::MOST_OFFSETS;
@@ -42,6 +47,9 @@ pub const EXPLAIN_SCHEMA: &str = include_str!("schema/explain.json");
 
 /// JSON Schema (draft 2020-12) of the JSON output of `devices`.
 pub const DEVICES_SCHEMA: &str = include_str!("schema/devices.json");
+
+/// JSON Schema (draft 2020-12) of the JSON report of `check`.
+pub const CHECK_SCHEMA: &str = include_str!("schema/check.json");
 
 /// A form layouts are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,6 +17,8 @@ pub(super) const STRONG: Style = Style::new().bold();
 pub(super) const FAINT: Style = Style::new().dimmed();
 pub(super) const TYPE: Style = AnsiColor::Cyan.on_default();
 pub(super) const HEADING: Style = AnsiColor::Green.on_default().bold();
+#[cfg(feature = "cli")]
+pub(super) const REMOVED: Style = AnsiColor::Red.on_default();
 pub(super) const CAUTION: Style = AnsiColor::Yellow.on_default();
 
 impl Paint {

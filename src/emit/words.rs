@@ -10,6 +10,19 @@ pub(super) fn bytes(n: u64) -> String {
     if n == 1 { "1 byte".to_string() } else { format!("{n} bytes") }
 }
 
+/// A count with its thousands apart: `6,160`.
+pub(super) fn number(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (at, digit) in digits.char_indices() {
+        if at > 0 && (digits.len() - at) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// The block's address space and names: `uniform PointLightBlock u_lights`.
 pub(super) fn block_name(block: &BlockLayout) -> String {
     if block.space == AddressSpace::Default {

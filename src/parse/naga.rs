@@ -5,7 +5,7 @@
 
 use std::panic::{self, AssertUnwindSafe};
 
-use naga::{AddressSpace as Space, ArraySize, Handle, Module, TypeInner};
+use naga::{AddressSpace as Space, ArraySize, GlobalVariable, Handle, Module, TypeInner};
 use rustc_hash::FxHashMap;
 
 use super::wgsl;
@@ -39,7 +39,8 @@ pub(crate) fn ask(source: &Source, bodies: &[Span], blocks: &mut [BlockLayout]) 
     let Some(module) = module else { return };
     for block in blocks {
         let Some(variable) = variable_of(&module, block) else { continue };
-        let Some(places) = places(&module, variable, block, source.language) else { continue };
+        let ty = module.global_variables[variable].ty;
+        let Some(places) = places(&module, ty, block, source.language) else { continue };
         for leaf in &mut block.leaves {
             leaf.naga = places.get(&leaf.path).filter(|place| differs(leaf, place)).cloned();
         }
@@ -100,13 +101,17 @@ fn glsl_module(text: &str, stage: Option<Stage>) -> Option<Module> {
     guarded(text, || naga::front::glsl::Frontend::default().parse(&options, text).ok())
 }
 
-/// Runs a front end on text it can be trusted with; a panic in it counts as no answer.
-fn guarded(text: &str, parse: impl FnOnce() -> Option<Module>) -> Option<Module> {
-    let bounded = text.len() <= LONGEST_TEXT
+/// Whether a text is one that naga can be trusted with.
+pub(crate) fn is_bounded(text: &str) -> bool {
+    text.len() <= LONGEST_TEXT
         && nesting(text) <= DEEPEST_BRACKETS
         && longest_chain(text) <= LONGEST_CHAIN
-        && text.bytes().filter(|&byte| byte == b';').count() <= MOST_STATEMENTS;
-    if !bounded {
+        && text.bytes().filter(|&byte| byte == b';').count() <= MOST_STATEMENTS
+}
+
+/// Runs a front end on text it can be trusted with; a panic in it counts as no answer.
+fn guarded(text: &str, parse: impl FnOnce() -> Option<Module>) -> Option<Module> {
+    if !is_bounded(text) {
         return None;
     }
     // naga 30.0.1 panics on GLSL's `float a[1000000000][8]`.
@@ -151,7 +156,7 @@ fn longest_chain(text: &str) -> u32 {
 }
 
 /// The variable of a block: by its own name, by its type's, or by where it is bound.
-fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<naga::Type>> {
+pub(crate) fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<GlobalVariable>> {
     let space = |space: &Space| match block.space {
         AddressSpace::Uniform => matches!(space, Space::Uniform),
         AddressSpace::Storage => matches!(space, Space::Storage { .. }),
@@ -159,15 +164,16 @@ fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<naga::Type
         AddressSpace::BufferReference | AddressSpace::ShaderRecord | AddressSpace::Default => false,
     };
     let variable = block.instance.as_deref().unwrap_or(&block.name);
-    let candidates = || module.global_variables.iter().map(|(_, v)| v).filter(|v| space(&v.space));
-    let named = candidates().find(|v| v.name.as_deref() == Some(variable));
-    let typed = || candidates().find(|v| module.types[v.ty].name.as_deref() == Some(&*block.name));
+    let candidates = || module.global_variables.iter().filter(|(_, v)| space(&v.space));
+    let named = candidates().find(|(_, v)| v.name.as_deref() == Some(variable));
+    let typed =
+        || candidates().find(|(_, v)| module.types[v.ty].name.as_deref() == Some(&*block.name));
     let bound = || {
         let (group, binding) = (block.group.unwrap_or(0), block.binding?);
         candidates()
-            .find(|v| v.binding.is_some_and(|at| (at.group, at.binding) == (group, binding)))
+            .find(|(_, v)| v.binding.is_some_and(|at| (at.group, at.binding) == (group, binding)))
     };
-    named.or_else(typed).or_else(bound).map(|variable| variable.ty)
+    named.or_else(typed).or_else(bound).map(|(variable, _)| variable)
 }
 
 type Places = FxHashMap<String, NagaPlace>;

@@ -2,9 +2,9 @@
 //!
 //! [`module`] makes a shader runnable: naga IR whose offsets, strides and sizes
 //! are ours. [`reader`] says what it is to run one: a job in, words out. The
-//! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`.
+//! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`; `remote`
+//! runs a driver in a process of its own.
 
-mod bare;
 pub mod devices;
 pub mod eval;
 #[cfg(feature = "gl")]
@@ -15,8 +15,11 @@ pub mod gpu;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 mod limits;
 pub mod module;
+pub mod probe;
 pub mod reader;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 pub mod remote;
+pub mod verify;
+mod wgsl;
 
 pub use module::Module;

@@ -3,12 +3,19 @@
 //! Fed by [`glsl`](super::glsl) for GLSL of any version and by naga's own front
 //! end for WGSL. Feeds the evaluator and wgpu.
 
+use std::panic::{self, AssertUnwindSafe};
+
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{GlobalVariable, Handle};
+use rustc_hash::FxHashSet;
 
+use super::{glsl, wgsl};
 use crate::layout::BlockLayout;
-use crate::source::{Files, Source, Span};
+use crate::source::{Files, Language, Source, Span, Stage};
 use crate::{Diagnostic, Options};
+
+/// Bytes of stack for what recurses over a shader's text; it is touched only as far as it nests.
+const STACK: usize = 256 << 20;
 
 /// A runnable shader.
 #[derive(Clone, Debug)]
@@ -21,6 +28,11 @@ pub struct Module {
     pub(crate) files: Files,
     /// Where each file begins in the numbering of naga's spans.
     pub(crate) bases: Vec<u32>,
+    handles: Vec<ModuleHandle>,
+    functions: Vec<FunctionInfo>,
+    inputs: Vec<EntryInterface>,
+    outputs: Vec<EntryInterface>,
+    left_out: Vec<Diagnostic>,
 }
 
 /// A block of a runnable shader.
@@ -32,5 +44,321 @@ pub struct ModuleBlock {
     pub group: u32,
     /// Its binding in the module; given out where the text has none.
     pub binding: u32,
+    /// Which element of an array of blocks it is, counted through all dimensions.
+    pub element: Option<u32>,
     pub(crate) variable: Handle<GlobalVariable>,
+}
+
+/// A texture, sampler or image of a runnable shader.
+#[derive(Clone, Debug)]
+pub struct ModuleHandle {
+    /// The way to it in the text: `shadow_map`, `materials[2].diffuse`.
+    pub path: String,
+    /// Its group (descriptor set) in the module.
+    pub group: u32,
+    /// Its binding in the module.
+    pub binding: u32,
+    /// What it is. A `sampler2D` of GLSL is a texture and a sampler of one path.
+    pub kind: HandleKind,
+    // Readers find it by group and binding.
+    #[allow(dead_code)]
+    pub(crate) variable: Handle<GlobalVariable>,
+}
+
+/// What a handle is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum HandleKind {
+    Texture,
+    Sampler,
+    Image,
+}
+
+/// An entry point.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EntryPoint {
+    /// Its name; GLSL's is `main`.
+    pub name: String,
+    /// Vertex, fragment or compute.
+    pub stage: Stage,
+    /// Invocations in a workgroup of a compute shader.
+    pub workgroup_size: [u32; 3],
+}
+
+/// An input or output of the entry point that has a location.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EntryInterface {
+    /// Its name in the text, with the part of it: `light.color`, `basis[1]`.
+    pub name: String,
+    /// Its location in the module.
+    pub location: u32,
+}
+
+/// A function of the shader's own.
+#[derive(Clone, Debug)]
+pub struct FunctionInfo {
+    /// Its name.
+    pub name: String,
+    /// Its parameters in order.
+    pub parameters: Vec<Parameter>,
+    /// What it returns, as its language spells it; `None` for nothing.
+    pub returns: Option<String>,
+    /// Its name in the text.
+    pub span: Span,
+    pub(crate) handle: Handle<naga::Function>,
+}
+
+/// A parameter of a function.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name; empty where there is none.
+    pub name: String,
+    /// Its type, as its language spells it.
+    pub ty: String,
+    /// Which way values go.
+    pub direction: Direction,
+}
+
+/// Which way the values of a parameter go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// `in`: a copy.
+    In,
+    /// `out`: back only.
+    Out,
+    /// `inout`, or WGSL's pointer.
+    InOut,
+}
+
+impl Module {
+    /// Makes a shader runnable. Loose uniforms are one std140 block named `DefaultBlock`.
+    ///
+    /// # Errors
+    /// What is wrong with the shader, or what in it cannot run, with its place.
+    pub fn new(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+        on_a_large_stack(|| match source.language {
+            Language::Glsl => {
+                let lowered = glsl::lower(source, options)?;
+                let module = Module {
+                    info: ModuleInfo::default(),
+                    ir: lowered.ir,
+                    blocks: lowered.blocks,
+                    bases: lowered.bases.starts,
+                    files: lowered.files,
+                    handles: lowered.handles,
+                    functions: lowered.functions,
+                    inputs: lowered.inputs,
+                    outputs: lowered.outputs,
+                    left_out: lowered.left_out,
+                };
+                module.validated()
+            }
+            Language::Wgsl => wgsl::patched(source, options)?.validated(),
+        })
+    }
+
+    /// The module as naga's own front end makes it, its offsets as naga has them: what a program
+    /// that hands the text to wgpu gets. For proving naga wrong.
+    ///
+    /// # Errors
+    /// What naga, or its validator, says of the text.
+    pub fn by_naga(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+        on_a_large_stack(|| wgsl::by_naga(source, options)?.validated())
+    }
+
+    /// The module as SPIR-V for Vulkan, its one entry point or all of them; in naga's words why not.
+    ///
+    /// # Errors
+    /// What naga cannot write.
+    #[cfg(feature = "gpu")]
+    pub fn spirv(&self) -> Result<Vec<u32>, String> {
+        let options = naga::back::spv::Options::default();
+        let write = || naga::back::spv::write_vec(&self.ir, &self.info, &options, None);
+        match panic::catch_unwind(AssertUnwindSafe(write)) {
+            Ok(words) => words.map_err(|error| chain(&error)),
+            Err(_) => Err("naga panics when it writes this module".to_string()),
+        }
+    }
+
+    /// Its entry points.
+    pub fn entry_points(&self) -> Vec<EntryPoint> {
+        let entries = self.ir.entry_points.iter();
+        let named = entries.filter_map(|entry| {
+            let stage = match entry.stage {
+                naga::ShaderStage::Vertex => Stage::Vertex,
+                naga::ShaderStage::Fragment => Stage::Fragment,
+                naga::ShaderStage::Compute => Stage::Compute,
+                _ => return None,
+            };
+            let workgroup_size = entry.workgroup_size;
+            Some(EntryPoint { name: entry.name.clone(), stage, workgroup_size })
+        });
+        named.collect()
+    }
+
+    /// The functions of the shader's own that can run, in the order of the text.
+    pub fn functions(&self) -> &[FunctionInfo] {
+        &self.functions
+    }
+
+    /// Its blocks; an array of blocks is one an element.
+    pub fn blocks(&self) -> &[ModuleBlock] {
+        &self.blocks
+    }
+
+    /// Its textures, samplers and images.
+    pub fn handles(&self) -> &[ModuleHandle] {
+        &self.handles
+    }
+
+    /// Inputs of the entry point that have locations; of GLSL only.
+    pub fn inputs(&self) -> &[EntryInterface] {
+        &self.inputs
+    }
+
+    /// Outputs of the entry point that have locations; of GLSL only.
+    pub fn outputs(&self) -> &[EntryInterface] {
+        &self.outputs
+    }
+
+    /// Why functions that the entry point does not need are not in the module.
+    pub fn left_out(&self) -> &[Diagnostic] {
+        &self.left_out
+    }
+
+    /// The files it is made of: itself, then its includes.
+    pub fn files(&self) -> &Files {
+        &self.files
+    }
+
+    /// The place in the user's text that an expression, statement or function came from.
+    pub(crate) fn locate(&self, span: naga::Span) -> Option<Span> {
+        let range = span.to_range()?;
+        let (start, end) = (u32::try_from(range.start).ok()?, u32::try_from(range.end).ok()?);
+        let file = self.bases.partition_point(|&base| base <= start).checked_sub(1)?;
+        let base = self.bases[file];
+        Some(Span {
+            file: u32::try_from(file).ok()?,
+            start: start - base,
+            end: end.max(start) - base,
+        })
+    }
+
+    fn validated(mut self) -> Result<Module, Vec<Diagnostic>> {
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
+        let ir = &self.ir;
+        // naga's validator asserts what its own front ends promise.
+        let result = panic::catch_unwind(AssertUnwindSafe(|| validator.validate(ir)));
+        match result {
+            Ok(Ok(info)) => {
+                self.info = info;
+                Ok(self)
+            }
+            Ok(Err(error)) => {
+                let spans = error.spans().filter_map(|(span, _)| self.locate(*span));
+                let span = spans.last().unwrap_or_default();
+                let message = format!("naga's validator refuses it: {}", chain(error.as_inner()));
+                Err(vec![Diagnostic::error("cannot-run", span, message)])
+            }
+            Err(_) => {
+                let message = "naga's validator gives up on this shader";
+                Err(vec![Diagnostic::error("cannot-run", Span::default(), message)])
+            }
+        }
+    }
+
+    pub(super) fn unvalidated(ir: naga::Module, files: Files, blocks: Vec<ModuleBlock>) -> Module {
+        Module {
+            info: ModuleInfo::default(),
+            bases: Bases::new(&files).starts,
+            functions: wgsl::functions(&ir),
+            handles: wgsl::handles(&ir),
+            ir,
+            blocks,
+            files,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            left_out: Vec::new(),
+        }
+    }
+}
+
+/// What an error says, and what caused it.
+fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text.push_str(": ");
+        text.push_str(&error.to_string());
+        cause = error.source();
+    }
+    text
+}
+
+/// Runs what recurses over a shader; a text that nests deeply does not end the program.
+fn on_a_large_stack<T: Send>(
+    run: impl FnOnce() -> Result<T, Vec<Diagnostic>> + Send,
+) -> Result<T, Vec<Diagnostic>> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
+        let message = match thread.map(|thread| thread.join()) {
+            Ok(Ok(result)) => return result,
+            Ok(Err(_)) => "landfall failed on this shader; please report it",
+            Err(_) => "there is no memory for a thread",
+        };
+        Err(vec![Diagnostic::error("cannot-run", Span::default(), message)])
+    })
+}
+
+/// Where each file begins in the numbering of naga's spans.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bases {
+    pub starts: Vec<u32>,
+}
+
+impl Bases {
+    pub fn new(files: &Files) -> Bases {
+        let mut starts = Vec::new();
+        let mut next = 0u32;
+        for file in files.iter() {
+            starts.push(next);
+            // One past the end, so that no two files share a number.
+            next = next.saturating_add(file.text.len() as u32).saturating_add(1);
+        }
+        Bases { starts }
+    }
+
+    pub fn to_naga(&self, span: Span) -> naga::Span {
+        let base = self.starts.get(span.file as usize).copied().unwrap_or(0);
+        naga::Span::new(base.saturating_add(span.start), base.saturating_add(span.end))
+    }
+}
+
+/// Gives out groups and bindings, each once.
+#[derive(Debug, Default)]
+pub(super) struct Binder {
+    /// Those the text gives to somebody.
+    reserved: FxHashSet<(u32, u32)>,
+    taken: FxHashSet<(u32, u32)>,
+}
+
+impl Binder {
+    pub fn reserve(&mut self, group: u32, binding: u32) {
+        self.reserved.insert((group, binding));
+    }
+
+    /// The one that is wanted if nobody has it, else one that nobody has or wants.
+    pub fn claim(&mut self, group: u32, wanted: Option<u32>) -> (u32, u32) {
+        if let Some(binding) = wanted {
+            if self.taken.insert((group, binding)) {
+                return (group, binding);
+            }
+        }
+        let free = (0..u32::MAX)
+            .map(|binding| (group, binding))
+            .find(|at| !self.reserved.contains(at) && !self.taken.contains(at))
+            .expect("a shader has fewer than 2^32 bindings");
+        self.taken.insert(free);
+        free
+    }
 }

@@ -257,6 +257,8 @@ pub enum Schema {
     Explain,
     /// devices --format json
     Devices,
+    /// check --format json
+    Check,
     /// Findings on stderr with --format json, one a line
     Diagnostic,
 }

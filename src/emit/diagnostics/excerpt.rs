@@ -54,14 +54,19 @@ struct Placed<'a> {
     primary: bool,
 }
 
-/// The excerpts of a finding's labels, the main one's first.
-pub(super) fn excerpts(labels: &[Label], files: &Files, places: &mut Places<'_>) -> Vec<Excerpt> {
+/// The excerpts of a finding's labels, in their order; `main` is the index of the main one.
+pub(super) fn excerpts(
+    labels: &[Label],
+    main: Option<usize>,
+    files: &Files,
+    places: &mut Places<'_>,
+) -> Vec<Excerpt> {
     let mut groups: Vec<Vec<Placed<'_>>> = Vec::new();
     for (i, label) in labels.iter().enumerate() {
         if files.get(label.span.file).is_none() {
             continue;
         }
-        let placed = Placed { label, at: places.locate(label.span), primary: i == 0 };
+        let placed = Placed { label, at: places.locate(label.span), primary: main == Some(i) };
         let near = groups.iter_mut().find(|group| {
             group[0].label.span.file == label.span.file
                 && group[0].at.line.abs_diff(placed.at.line) <= APART / 2

@@ -15,7 +15,7 @@ pub(crate) mod lexer;
 mod macros;
 mod members;
 mod preprocess;
-mod qualifiers;
+pub(crate) mod qualifiers;
 pub(crate) mod raw;
 mod target;
 pub(crate) mod types;
@@ -25,7 +25,8 @@ use crate::parse::Parsed;
 use crate::shape::{AddressSpace, Block, Majorness, OffsetOrder, Rules, Shape};
 use crate::source::{ReadOptions, Source, Span};
 use declarations::Reader;
-use preprocess::{Preprocessor, Texts};
+use preprocess::Preprocessor;
+pub(crate) use preprocess::Texts;
 
 /// Errors after which a text is read no further: what was read before them is not to be trusted.
 const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb"];
@@ -66,6 +67,39 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
         diagnostics,
         bodies: preprocessor.bodies,
     }
+}
+
+/// Every token of a shader, bodies included, macros expanded; the last one is the end.
+pub(crate) struct Stream<'a> {
+    pub tokens: Vec<lexer::Token<'a>>,
+    pub files: crate::source::Files,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Longer shaders are not run: a text of so many tokens was made to exhaust memory.
+const MOST_TOKENS: usize = 1 << 20;
+
+/// Reads all tokens of a shader; `texts` keeps what they point into.
+pub(crate) fn tokens<'a>(
+    source: &Source,
+    options: &'a ReadOptions,
+    texts: &'a Texts,
+) -> Stream<'a> {
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
+    let mut tokens = Vec::with_capacity(source.text.len() / 4);
+    loop {
+        let token = preprocessor.next();
+        tokens.push(token);
+        if token.kind == lexer::Kind::End {
+            break;
+        }
+        if tokens.len() == MOST_TOKENS {
+            let message = format!("the shader has more than {MOST_TOKENS} tokens");
+            preprocessor.report(Diagnostic::error("cannot-run", token.span, message));
+            preprocessor.stopped = true;
+        }
+    }
+    Stream { tokens, files: preprocessor.files, diagnostics: preprocessor.diagnostics }
 }
 
 /// The loose uniforms as one block: without offsets of their own, or gathered.

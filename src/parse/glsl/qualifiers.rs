@@ -47,7 +47,7 @@ impl<'a> Qualifiers<'a> {
 }
 
 /// Words that qualify a declaration and say nothing of its bytes.
-const SILENT: &[&str] = &[
+pub(crate) const SILENT: &[&str] = &[
     "flat",
     "smooth",
     "noperspective",
@@ -82,7 +82,7 @@ const SILENT: &[&str] = &[
 ];
 
 /// Words for storage that has no layout in bytes.
-const OTHER_STORAGE: &[&str] = &[
+pub(crate) const OTHER_STORAGE: &[&str] = &[
     "in",
     "out",
     "inout",

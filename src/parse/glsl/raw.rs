@@ -5,7 +5,7 @@ use rustc_hash::FxHashSet;
 
 use super::lexer::{Kind, Lexer};
 use super::preprocess::{Preprocessor, Texts};
-use crate::source::{Files, ReadOptions, Source, Target};
+use crate::source::{Files, ReadOptions, Source, Span, Target};
 
 /// A token of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,6 +57,44 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> RawText {
         target: preprocessor.target(),
         files: preprocessor.files,
     }
+}
+
+/// A shader's text with its includes in it and its macros expanded, for compilers that open no
+/// files; comments and line numbers are lost.
+pub(crate) fn flattened(source: &Source, options: &ReadOptions) -> String {
+    let texts = Texts::new();
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    let mut body = String::with_capacity(source.text.len());
+    let mut before = Span::default();
+    loop {
+        let token = preprocessor.next();
+        if token.kind == Kind::End {
+            break;
+        }
+        // The two halves of `+=` are tokens of their own.
+        let joined = token.definition.is_none()
+            && (before.file, before.end) == (token.span.file, token.span.start);
+        if !joined {
+            body.push(if token.first { '\n' } else { ' ' });
+        }
+        body.push_str(token.text);
+        before = token.span;
+    }
+    let mut text = String::with_capacity(body.len() + 256);
+    for span in &preprocessor.obeyed {
+        let Some(file) = preprocessor.files.get(span.file) else { continue };
+        let line = file.text[span.start as usize..].lines().next().unwrap_or_default();
+        let name = line.trim_start_matches('#').trim_start();
+        let kept = name.starts_with("version") && span.file == 0
+            || name.starts_with("extension") && !name.contains("include");
+        if kept {
+            text.push_str(line);
+            text.push('\n');
+        }
+    }
+    text.push_str(&body);
+    text.push('\n');
+    text
 }
 
 fn lex(text: &str) -> Vec<RawToken> {

@@ -1,0 +1,17 @@
+//! `bool-in-block`.
+
+use super::{Check, Finding, Level, Lint, Settings, Subject};
+
+pub(super) const LINT: Lint = Lint {
+    code: "bool-in-block",
+    level: Level::Warn,
+    what: "",
+    why: "",
+    example: "",
+    fix: "",
+    check: Check::Shader(check),
+};
+
+fn check(_subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    Vec::new()
+}

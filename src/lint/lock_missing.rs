@@ -1,0 +1,13 @@
+//! `lock-missing`.
+
+use super::{Check, Level, Lint};
+
+pub(super) const LINT: Lint = Lint {
+    code: "lock-missing",
+    level: Level::Warn,
+    what: "",
+    why: "",
+    example: "",
+    fix: "",
+    check: Check::Elsewhere,
+};

@@ -1,0 +1,111 @@
+//! Lints: what is wrong, risky or wasteful in a layout that can be computed.
+//!
+//! One file a lint, listed in [`LINTS`]. They read [`ShaderLayout`]s and the
+//! texts behind them; the command asks them and renders their [`Finding`]s.
+
+pub mod finding;
+pub mod fix;
+pub mod settings;
+
+mod array_stride_waste;
+mod block_mismatch;
+mod bool_in_block;
+mod buffer_too_small;
+mod define_changes_layout;
+mod driver_disagrees;
+mod layout_drift;
+mod lock_missing;
+mod lock_orphan;
+mod mat3_padding;
+mod naga_disagrees;
+mod over_limit;
+mod push_constant_limit;
+mod reorder_saves;
+mod rules_undeclared;
+#[cfg(feature = "cli")]
+mod rust_mirror;
+mod scalar_after_vec3;
+mod stale_comment;
+mod unused_block;
+mod unused_member;
+mod vec3_array;
+mod webgl2_size;
+
+use crate::source::Source;
+use crate::{Options, ShaderLayout};
+
+pub use finding::{Edit, Finding, Level, Place, Related};
+pub use settings::Settings;
+
+/// A kind of finding.
+#[derive(Debug)]
+pub struct Lint {
+    /// Kebab-case name: `stale-comment`.
+    pub code: &'static str,
+    /// The level it has unless somebody says otherwise.
+    pub level: Level,
+    /// What it reports, in one sentence.
+    pub what: &'static str,
+    /// What goes wrong if it is left.
+    pub why: &'static str,
+    /// A small shader it reports.
+    pub example: &'static str,
+    /// How it is mended.
+    pub fix: &'static str,
+    /// How it is found.
+    pub check: Check,
+}
+
+/// How the findings of a lint are found.
+#[derive(Clone, Copy, Debug)]
+pub enum Check {
+    /// In one shader.
+    Shader(fn(&Subject<'_>, &Settings) -> Vec<Finding>),
+    /// By looking at all shaders of a run.
+    Tree(fn(&[Subject<'_>], &Settings) -> Vec<Finding>),
+    /// By comparing with a lock, or with what `verify` found.
+    Elsewhere,
+}
+
+/// A shader that lints look at.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// Its text.
+    pub source: &'a Source,
+    /// How it was laid out; naga was asked too.
+    pub options: &'a Options,
+    /// Its layout; it has no errors.
+    pub shader: &'a ShaderLayout,
+}
+
+/// Every lint, by code.
+pub const LINTS: &[&Lint] = &[
+    &array_stride_waste::LINT,
+    &block_mismatch::LINT,
+    &bool_in_block::LINT,
+    &buffer_too_small::LINT,
+    &define_changes_layout::LINT,
+    &driver_disagrees::LINT,
+    &layout_drift::LINT,
+    &lock_missing::LINT,
+    &lock_orphan::LINT,
+    &mat3_padding::LINT,
+    &naga_disagrees::LINT,
+    &over_limit::LINT,
+    &push_constant_limit::LINT,
+    &reorder_saves::LINT,
+    &rules_undeclared::LINT,
+    #[cfg(feature = "cli")]
+    &rust_mirror::LINT,
+    &scalar_after_vec3::LINT,
+    &stale_comment::LINT,
+    &unused_block::LINT,
+    &unused_member::LINT,
+    &vec3_array::LINT,
+    &webgl2_size::LINT,
+];
+
+/// The lint of that code.
+pub fn lint(code: &str) -> Option<&'static Lint> {
+    LINTS.iter().find(|lint| lint.code == code).copied()
+}

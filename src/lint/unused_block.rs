@@ -1,0 +1,17 @@
+//! `unused-block`.
+
+use super::{Check, Finding, Level, Lint, Settings, Subject};
+
+pub(super) const LINT: Lint = Lint {
+    code: "unused-block",
+    level: Level::Warn,
+    what: "",
+    why: "",
+    example: "",
+    fix: "",
+    check: Check::Shader(check),
+};
+
+fn check(_subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    Vec::new()
+}

@@ -1,0 +1,17 @@
+//! `webgl2-size`.
+
+use super::{Check, Finding, Level, Lint, Settings, Subject};
+
+pub(super) const LINT: Lint = Lint {
+    code: "webgl2-size",
+    level: Level::Warn,
+    what: "",
+    why: "",
+    example: "",
+    fix: "",
+    check: Check::Shader(check),
+};
+
+fn check(_subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    Vec::new()
+}

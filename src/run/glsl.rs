@@ -1,1 +1,0 @@
-//! GLSL of any version, bodies included, as naga IR with our offsets.

@@ -1,0 +1,306 @@
+//! Constructors and initialisers (GLSL 4.60 §4.1.11, §5.4).
+
+use std::rc::Rc;
+
+use super::R;
+use super::ast::*;
+use super::body::{Body, Val};
+use super::constant::Const;
+use super::types::{Kind, Structure, Ty, carried};
+
+/// Elements that an initialiser may write out.
+const MOST_ELEMENTS: usize = 1 << 14;
+
+/// An array type with the sizes that its initialiser says where the type says none.
+pub fn sized_by<'a>(ty: Ty, init: &Expr<'a>, constant: &dyn Fn(&Expr<'a>) -> Option<Const>) -> Ty {
+    let Ty::Array(element, len) = &ty else { return ty };
+    let (items, written) = match &init.kind {
+        ExprKind::List(items) => (items, None),
+        ExprKind::Construct(spec, items) if !spec.dims.is_empty() => {
+            let size = spec.dims[0].size.as_ref().and_then(constant);
+            (items, size.and_then(|c| u32::try_from(c.integer()?).ok()))
+        }
+        _ => return ty,
+    };
+    let len = len.or(written).or(u32::try_from(items.len()).ok());
+    let element = match items.first() {
+        Some(first) => sized_by((**element).clone(), first, constant),
+        None => (**element).clone(),
+    };
+    Ty::Array(Rc::new(element), len)
+}
+
+impl<'a> Body<'_, 'a> {
+    /// The value of an initialiser of something of that type.
+    pub fn initial(&mut self, init: &Expr<'a>, ty: &Ty) -> R<Val> {
+        let ExprKind::List(items) = &init.kind else {
+            let value = self.value(init)?;
+            self.span = init.span;
+            if let (Ty::Array(_, None), Ty::Array(..)) = (ty, &value.ty) {
+                return Ok(value);
+            }
+            return self.coerce(&value, ty);
+        };
+        self.deeper(|this| this.listed(items, ty, init))
+    }
+
+    fn listed(&mut self, items: &[Expr<'a>], ty: &Ty, whole: &Expr<'a>) -> R<Val> {
+        let wanted: Vec<Ty> = match ty {
+            Ty::Struct(s) => carried(s).map(|field| field.ty.clone()).collect(),
+            other => match other.indexed() {
+                Some((element, Some(len))) if len as usize <= MOST_ELEMENTS => {
+                    vec![element; len as usize]
+                }
+                _ => return self.refuse(format!("`{{ … }}` is no `{ty}`")),
+            },
+        };
+        if wanted.len() != items.len() {
+            self.span = whole.span;
+            let (has, wants) = (items.len(), wanted.len());
+            return self.refuse(format!("`{{ … }}` has {has} values, a `{ty}` has {wants}"));
+        }
+        let mut parts = Vec::new();
+        for (item, ty) in items.iter().zip(&wanted) {
+            parts.push(self.initial(item, ty)?.expr);
+        }
+        self.span = whole.span;
+        self.compose(ty, parts)
+    }
+
+    /// `vec3(…)`, `float[](…)`, `Light[2](…)`.
+    pub fn construct(
+        &mut self,
+        spec: &TypeSpec<'a>,
+        arguments: &[Expr<'a>],
+        whole: &Expr<'a>,
+    ) -> R<Val> {
+        let TypeBase::Name(name) = spec.base else {
+            return self.refuse("a structure is declared inside an expression");
+        };
+        let base = self.named_type(name, spec.span)?;
+        if spec.dims.is_empty() {
+            return self.construct_one(&base, arguments, whole);
+        }
+        let dims = self.dims(&spec.dims)?;
+        let ty = super::Lowerer::arrayed(base, &dims, &[]);
+        let ty = {
+            let scope: &Self = self;
+            sized_by(ty, whole, &|e| scope.constant(e))
+        };
+        let Some((mut element, Some(len))) = ty.indexed() else {
+            return self.refuse(format!("a `{ty}` is not constructed like this"));
+        };
+        if len as usize != arguments.len() || arguments.len() > MOST_ELEMENTS {
+            return self.refuse(format!("a `{ty}` is made of {} values", arguments.len()));
+        }
+        let mut parts = Vec::new();
+        for argument in arguments {
+            let value = self.initial(argument, &element)?;
+            if let Ty::Array(_, None) = element {
+                element = value.ty.clone();
+            }
+            parts.push(value.expr);
+        }
+        self.span = whole.span;
+        self.compose(&Ty::Array(Rc::new(element), Some(len)), parts)
+    }
+
+    fn construct_one(&mut self, ty: &Ty, arguments: &[Expr<'a>], whole: &Expr<'a>) -> R<Val> {
+        if let Ty::Struct(s) = ty {
+            let s = s.clone();
+            return self.construct_structure(&s, arguments, whole);
+        }
+        let mut values = Vec::new();
+        for argument in arguments {
+            values.push(self.value(argument)?);
+        }
+        self.span = whole.span;
+        if values.is_empty() || values.iter().any(|value| value.ty.kind().is_none()) {
+            return self.refuse(format!("a `{ty}` is not made of that"));
+        }
+        match ty {
+            Ty::Scalar(kind) => {
+                let first = self.first_component(&values[0])?;
+                self.convert(&first, &Ty::Scalar(*kind))
+            }
+            Ty::Vector(kind, size) => self.vector_of(*kind, *size, &values),
+            Ty::Matrix(kind, columns, rows) => self.matrix_of(*kind, *columns, *rows, &values),
+            Ty::Void | Ty::Array(..) | Ty::Struct(_) | Ty::Opaque(_) => {
+                self.refuse(format!("a `{ty}` is not constructed"))
+            }
+        }
+    }
+
+    pub fn construct_structure(
+        &mut self,
+        s: &Rc<Structure>,
+        arguments: &[Expr<'a>],
+        whole: &Expr<'a>,
+    ) -> R<Val> {
+        let ty = Ty::Struct(s.clone());
+        if s.opaque {
+            return self.refuse(format!("a `{ty}` has handles in it, and is not constructed"));
+        }
+        if s.members.len() != arguments.len() {
+            let (has, wants) = (arguments.len(), s.members.len());
+            return self.refuse(format!("`{ty}` is given {has} values, and has {wants} members"));
+        }
+        let mut parts = Vec::new();
+        for (argument, field) in arguments.iter().zip(&s.members) {
+            parts.push(self.initial(argument, &field.ty)?.expr);
+        }
+        self.span = whole.span;
+        self.compose(&ty, parts)
+    }
+
+    fn first_component(&mut self, value: &Val) -> R<Val> {
+        match value.ty {
+            Ty::Vector(kind, _) => Ok(Val { expr: self.part(value.expr, 0), ty: Ty::Scalar(kind) }),
+            Ty::Matrix(kind, ..) => {
+                let column = self.part(value.expr, 0);
+                Ok(Val { expr: self.part(column, 0), ty: Ty::Scalar(kind) })
+            }
+            _ => Ok(value.clone()),
+        }
+    }
+
+    /// A vector of the components of all values, as many as it takes.
+    fn vector_of(&mut self, kind: Kind, size: u8, values: &[Val]) -> R<Val> {
+        let ty = Ty::Vector(kind, size);
+        if let ([value], Some((_, 1))) = (values, values[0].ty.components()) {
+            let value = self.convert(value, &Ty::Scalar(kind))?;
+            return self.splat(&value, size);
+        }
+        let mut parts = Vec::new();
+        let mut left = size;
+        for value in self.vectors(values)? {
+            if left == 0 {
+                break;
+            }
+            let (_, mut count) = value.ty.components().unwrap_or((kind, 1));
+            let mut value = self.convert(&value, &value.ty.with_kind(kind))?;
+            if count > left {
+                let picks: Vec<u8> = (0..left).collect();
+                value = self.select(&value, &picks)?;
+                count = left;
+            }
+            left -= count;
+            if count == size {
+                return Ok(value);
+            }
+            parts.push(value.expr);
+        }
+        if left > 0 {
+            return self.refuse(format!("a `{ty}` is made of fewer than {size} components"));
+        }
+        self.compose(&ty, parts)
+    }
+
+    /// The values with matrices taken apart into columns.
+    fn vectors(&mut self, values: &[Val]) -> R<Vec<Val>> {
+        let mut vectors = Vec::new();
+        for value in values {
+            let Ty::Matrix(kind, columns, rows) = value.ty else {
+                vectors.push(value.clone());
+                continue;
+            };
+            for i in 0..u32::from(columns) {
+                let expr = self.part(value.expr, i);
+                vectors.push(Val { expr, ty: Ty::Vector(kind, rows) });
+            }
+        }
+        Ok(vectors)
+    }
+
+    fn matrix_of(&mut self, kind: Kind, columns: u8, rows: u8, values: &[Val]) -> R<Val> {
+        let ty = Ty::Matrix(kind, columns, rows);
+        let mut parts = Vec::new();
+        match values {
+            [value] if matches!(value.ty, Ty::Scalar(_)) => {
+                let value = self.convert(value, &Ty::Scalar(kind))?;
+                let zero = self.number(kind, 0.0);
+                for column in 0..columns {
+                    let column =
+                        (0..rows).map(|row| if row == column { value.expr } else { zero.expr });
+                    let column = column.collect();
+                    parts.push(self.compose(&Ty::Vector(kind, rows), column)?.expr);
+                }
+            }
+            [value] if matches!(value.ty, Ty::Matrix(..)) => {
+                return self.matrix_of_matrix(&ty, value);
+            }
+            _ => {
+                let mut components = Vec::new();
+                for value in self.vectors(values)? {
+                    let value = self.convert(&value, &value.ty.with_kind(kind))?;
+                    let whole = components.len() % usize::from(rows) == 0;
+                    let (_, count) = value.ty.components().unwrap_or((kind, 1));
+                    if whole && count == rows {
+                        // A column as it stands.
+                        components.extend((0..count).map(|i| (value.expr, Some(i))));
+                        continue;
+                    }
+                    for i in 0..count {
+                        let expr =
+                            if count == 1 { value.expr } else { self.part(value.expr, i.into()) };
+                        components.push((expr, None));
+                    }
+                }
+                let wanted = usize::from(columns) * usize::from(rows);
+                if components.len() < wanted {
+                    return self
+                        .refuse(format!("a `{ty}` is made of fewer than {wanted} components"));
+                }
+                for column in components[..wanted].chunks(rows.into()) {
+                    if let (first, Some(0)) = column[0] {
+                        parts.push(first);
+                        continue;
+                    }
+                    let mut scalars = Vec::new();
+                    for &(expr, index) in column {
+                        scalars.push(match index {
+                            Some(index) => self.part(expr, index.into()),
+                            None => expr,
+                        });
+                    }
+                    parts.push(self.compose(&Ty::Vector(kind, rows), scalars)?.expr);
+                }
+            }
+        }
+        self.compose(&ty, parts)
+    }
+
+    /// A matrix cut down, or filled up from the identity (GLSL 4.60 §5.4.2).
+    fn matrix_of_matrix(&mut self, ty: &Ty, from: &Val) -> R<Val> {
+        let (Ty::Matrix(kind, columns, rows), Ty::Matrix(_, has_columns, has_rows)) =
+            (ty, &from.ty)
+        else {
+            return self.refuse("only a matrix is made of a matrix");
+        };
+        let (kind, columns, rows) = (*kind, *columns, *rows);
+        let (has_columns, has_rows) = (*has_columns, *has_rows);
+        if (columns, rows) == (has_columns, has_rows) {
+            return self.convert(from, ty);
+        }
+        let from = self.convert(from, &Ty::Matrix(kind, has_columns, has_rows))?;
+        let (one, zero) = (self.number(kind, 1.0), self.number(kind, 0.0));
+        let mut parts = Vec::new();
+        for column in 0..columns {
+            let mut scalars = Vec::new();
+            let given = (column < has_columns).then(|| self.part(from.expr, column.into()));
+            if let (Some(given), true) = (given, rows == has_rows) {
+                parts.push(given);
+                continue;
+            }
+            for row in 0..rows {
+                scalars.push(match given {
+                    Some(given) if row < has_rows => self.part(given, row.into()),
+                    _ if row == column => one.expr,
+                    _ => zero.expr,
+                });
+            }
+            parts.push(self.compose(&Ty::Vector(kind, rows), scalars)?.expr);
+        }
+        self.compose(ty, parts)
+    }
+}

@@ -1,0 +1,213 @@
+//! Images, atomic functions, barriers (GLSL 4.60 §8.11, §8.12, §8.16, §8.17).
+
+use naga::{AtomicFunction, Barrier, Expression, Statement};
+
+use super::R;
+use super::ast::Expr;
+use super::body::{Body, Val};
+use super::host::HostKind;
+use super::opaque::Chosen;
+use super::place::{Address, Mem};
+use super::types::{Kind, Opaque, Ty};
+
+impl<'a> Body<'_, 'a> {
+    /// A function of memory; `None` when it is none.
+    pub fn memory_call(
+        &mut self,
+        name: &str,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+        for_effect: bool,
+    ) -> R<Option<Val>> {
+        match name {
+            "barrier" => self.barrier(Barrier::WORK_GROUP, true),
+            "memoryBarrier" => {
+                let all = Barrier::WORK_GROUP | Barrier::STORAGE | Barrier::TEXTURE;
+                self.barrier(all, false)
+            }
+            "memoryBarrierBuffer" => self.barrier(Barrier::STORAGE, false),
+            "memoryBarrierImage" => self.barrier(Barrier::TEXTURE, false),
+            "memoryBarrierShared" | "groupMemoryBarrier" => {
+                self.barrier(Barrier::WORK_GROUP, false)
+            }
+            "subgroupBarrier" => self.barrier(Barrier::SUB_GROUP, true),
+            "imageLoad" | "imageStore" => self.image_access(name, arguments, e).map(Some),
+            "EmitVertex"
+            | "EndPrimitive"
+            | "ftransform"
+            | "interpolateAtCentroid"
+            | "interpolateAtSample"
+            | "interpolateAtOffset"
+            | "subpassLoad"
+            | "traceRayEXT"
+            | "textureQueryLod"
+            | "atomicCounterIncrement"
+            | "atomicCounterDecrement"
+            | "atomicCounter"
+            | "noise1"
+            | "noise2"
+            | "noise3"
+            | "noise4" => self.refuse(format!("`{name}` has no counterpart in naga")),
+            _ if name.starts_with("imageAtomic") => {
+                self.image_atomic(name, arguments, e, for_effect).map(Some)
+            }
+            _ if name.starts_with("atomic") => self.atomic(name, arguments, e).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    fn nothing(&mut self) -> Val {
+        Val { expr: self.u32(0), ty: Ty::Void }
+    }
+
+    fn barrier(&mut self, barrier: Barrier, waits: bool) -> R<Option<Val>> {
+        self.statement(if waits {
+            Statement::ControlBarrier(barrier)
+        } else {
+            Statement::MemoryBarrier(barrier)
+        });
+        Ok(Some(self.nothing()))
+    }
+
+    fn image_access(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
+        let Some((first, rest)) = arguments.split_first() else {
+            return self.refuse(format!("`{name}` is given nothing"));
+        };
+        let chosen = self.chosen(first)?;
+        let mut values = Vec::new();
+        for argument in rest {
+            values.push(self.value(argument)?);
+        }
+        self.span = e.span;
+        let (Chosen::At(_, Ty::Opaque(Opaque::Storage(image))), Some(at)) =
+            (chosen.clone(), values.first().cloned())
+        else {
+            return self.refuse(format!("`{name}` takes an image and coordinates"));
+        };
+        if image.multi || image.dim == naga::ImageDimension::Cube {
+            return self
+                .refuse("images with samples, and cubes of images, have no counterpart in naga");
+        }
+        let vec4 = Ty::Vector(image.kind, 4);
+        let stored = values.get(1).cloned();
+        let ty = if name == "imageLoad" { vec4.clone() } else { Ty::Void };
+        self.with_handle(&chosen, &ty, |this, pair| {
+            let source = this.source(pair.image)?;
+            let (coordinate, array_index) = this.texel(&image, &at)?;
+            if name == "imageLoad" {
+                let expr = this.add(Expression::ImageLoad {
+                    image: source,
+                    coordinate: coordinate.expr,
+                    array_index,
+                    sample: None,
+                    level: None,
+                });
+                return Ok(Val { expr, ty: vec4.clone() });
+            }
+            let Some(value) = &stored else { return this.refuse("the texel is missing") };
+            let value = this.coerce(value, &vec4)?;
+            this.statement(Statement::ImageStore {
+                image: source,
+                coordinate: coordinate.expr,
+                array_index,
+                value: value.expr,
+            });
+            Ok(this.nothing())
+        })
+    }
+
+    fn image_atomic(
+        &mut self,
+        name: &str,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+        for_effect: bool,
+    ) -> R<Val> {
+        if !for_effect {
+            return self.refuse(format!("the value of `{name}` is not to be had from naga"));
+        }
+        let fun = match name {
+            "imageAtomicAdd" => AtomicFunction::Add,
+            "imageAtomicMin" => AtomicFunction::Min,
+            "imageAtomicMax" => AtomicFunction::Max,
+            "imageAtomicAnd" => AtomicFunction::And,
+            "imageAtomicOr" => AtomicFunction::InclusiveOr,
+            "imageAtomicXor" => AtomicFunction::ExclusiveOr,
+            _ => return self.refuse(format!("`{name}` has no counterpart in naga")),
+        };
+        let [first, at, value] = arguments else {
+            return self.refuse(format!("`{name}` takes an image, coordinates and a value"));
+        };
+        let chosen = self.chosen(first)?;
+        let (at, value) = (self.value(at)?, self.value(value)?);
+        self.span = e.span;
+        let Chosen::At(_, Ty::Opaque(Opaque::Storage(image))) = chosen.clone() else {
+            return self.refuse(format!("`{name}` takes an image"));
+        };
+        let value = self.coerce(&value, &Ty::Scalar(image.kind))?;
+        self.with_handle(&chosen, &Ty::Void, |this, pair| {
+            let source = this.source(pair.image)?;
+            let (coordinate, array_index) = this.texel(&image, &at)?;
+            this.statement(Statement::ImageAtomic {
+                image: source,
+                coordinate: coordinate.expr,
+                array_index,
+                fun,
+                value: value.expr,
+            });
+            Ok(this.nothing())
+        })
+    }
+
+    fn atomic(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
+        let Some((first, rest)) = arguments.split_first() else {
+            return self.refuse(format!("`{name}` is given nothing"));
+        };
+        let place = self.place(first)?;
+        let mut values = Vec::new();
+        for argument in rest {
+            values.push(self.value(argument)?);
+        }
+        self.span = e.span;
+        let pointer = match &place.mem {
+            Mem::Host(Address::Pointer(pointer), host) if matches!(host.kind, HostKind::Atomic) => {
+                *pointer
+            }
+            Mem::Own(_) | Mem::Host(..) | Mem::Column(..) | Mem::Nothing => {
+                return self.refuse(format!(
+                    "`{name}` wants an `int` or `uint` of a buffer, or a shared one"
+                ));
+            }
+        };
+        let mut given = Vec::new();
+        for value in &values {
+            given.push(self.coerce(value, &place.ty)?.expr);
+        }
+        let (fun, value) = match (name, &given[..]) {
+            ("atomicAdd", [value]) => (AtomicFunction::Add, *value),
+            ("atomicMin", [value]) => (AtomicFunction::Min, *value),
+            ("atomicMax", [value]) => (AtomicFunction::Max, *value),
+            ("atomicAnd", [value]) => (AtomicFunction::And, *value),
+            ("atomicOr", [value]) => (AtomicFunction::InclusiveOr, *value),
+            ("atomicXor", [value]) => (AtomicFunction::ExclusiveOr, *value),
+            ("atomicExchange", [value]) => (AtomicFunction::Exchange { compare: None }, *value),
+            ("atomicCompSwap", [compare, value]) => {
+                (AtomicFunction::Exchange { compare: Some(*compare) }, *value)
+            }
+            _ => return self.refuse(format!("`{name}` has no counterpart in naga")),
+        };
+        let kind = place.ty.kind().unwrap_or(Kind::Uint);
+        let comparison = matches!(fun, AtomicFunction::Exchange { compare: Some(_) });
+        let ty = if comparison {
+            let scalar = kind.scalar();
+            let special = naga::PredeclaredType::AtomicCompareExchangeWeakResult(scalar);
+            self.cx.ir.generate_predeclared_type(special)
+        } else {
+            self.cx.carrier(&place.ty, self.span)?
+        };
+        let result = self.add_result(Expression::AtomicResult { ty, comparison });
+        self.statement(Statement::Atomic { pointer, fun, value, result: Some(result) });
+        let expr = if comparison { self.part(result, 0) } else { result };
+        Ok(Val { expr, ty: place.ty.clone() })
+    }
+}

@@ -1,0 +1,329 @@
+//! The language's own functions of numbers (GLSL 4.60 §8.1 to §8.8), where naga has them.
+//!
+//! One table says what each takes; [`math_expanded`](super::math_expanded) writes out the rest.
+
+use naga::{DerivativeAxis, DerivativeControl, Expression, Handle, MathFunction as M, ScalarKind};
+
+use super::R;
+use super::ast::Binary;
+use super::body::{Body, Val};
+use super::operators::comparison;
+use super::types::{Kind, Ty};
+
+/// What the arguments of a function are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Takes {
+    /// Scalars or vectors of floats, all of one size; a scalar fills a vector.
+    Floats,
+    /// The same of any numbers.
+    Numbers,
+    /// A vector of floats, or some.
+    Vectors,
+    /// Whole numbers; the result is `int`.
+    Bits,
+    /// A square matrix.
+    Square,
+}
+
+/// Functions that are one of naga's: name, how many arguments, which, naga's name.
+const TABLE: &[(&str, usize, Takes, M)] = &[
+    ("radians", 1, Takes::Floats, M::Radians),
+    ("degrees", 1, Takes::Floats, M::Degrees),
+    ("sin", 1, Takes::Floats, M::Sin),
+    ("cos", 1, Takes::Floats, M::Cos),
+    ("tan", 1, Takes::Floats, M::Tan),
+    ("asin", 1, Takes::Floats, M::Asin),
+    ("acos", 1, Takes::Floats, M::Acos),
+    ("atan", 1, Takes::Floats, M::Atan),
+    ("atan", 2, Takes::Floats, M::Atan2),
+    ("sinh", 1, Takes::Floats, M::Sinh),
+    ("cosh", 1, Takes::Floats, M::Cosh),
+    ("tanh", 1, Takes::Floats, M::Tanh),
+    ("asinh", 1, Takes::Floats, M::Asinh),
+    ("acosh", 1, Takes::Floats, M::Acosh),
+    ("atanh", 1, Takes::Floats, M::Atanh),
+    ("pow", 2, Takes::Floats, M::Pow),
+    ("exp", 1, Takes::Floats, M::Exp),
+    ("log", 1, Takes::Floats, M::Log),
+    ("exp2", 1, Takes::Floats, M::Exp2),
+    ("log2", 1, Takes::Floats, M::Log2),
+    ("sqrt", 1, Takes::Floats, M::Sqrt),
+    ("inversesqrt", 1, Takes::Floats, M::InverseSqrt),
+    ("abs", 1, Takes::Numbers, M::Abs),
+    ("sign", 1, Takes::Numbers, M::Sign),
+    ("floor", 1, Takes::Floats, M::Floor),
+    ("trunc", 1, Takes::Floats, M::Trunc),
+    ("round", 1, Takes::Floats, M::Round),
+    ("roundEven", 1, Takes::Floats, M::Round),
+    ("ceil", 1, Takes::Floats, M::Ceil),
+    ("fract", 1, Takes::Floats, M::Fract),
+    ("min", 2, Takes::Numbers, M::Min),
+    ("max", 2, Takes::Numbers, M::Max),
+    ("clamp", 3, Takes::Numbers, M::Clamp),
+    ("step", 2, Takes::Floats, M::Step),
+    ("smoothstep", 3, Takes::Floats, M::SmoothStep),
+    ("fma", 3, Takes::Floats, M::Fma),
+    ("cross", 2, Takes::Vectors, M::Cross),
+    ("bitfieldReverse", 1, Takes::Numbers, M::ReverseBits),
+    ("bitCount", 1, Takes::Bits, M::CountOneBits),
+    ("findLSB", 1, Takes::Bits, M::FirstTrailingBit),
+    ("findMSB", 1, Takes::Bits, M::FirstLeadingBit),
+    ("determinant", 1, Takes::Square, M::Determinant),
+    ("inverse", 1, Takes::Square, M::Inverse),
+];
+
+/// Functions that pack and unpack: argument, result, naga's name.
+const PACKING: &[(&str, Ty, Ty, M)] = &[
+    ("packSnorm4x8", Ty::Vector(Kind::Float, 4), Ty::UINT, M::Pack4x8snorm),
+    ("packUnorm4x8", Ty::Vector(Kind::Float, 4), Ty::UINT, M::Pack4x8unorm),
+    ("packSnorm2x16", Ty::Vector(Kind::Float, 2), Ty::UINT, M::Pack2x16snorm),
+    ("packUnorm2x16", Ty::Vector(Kind::Float, 2), Ty::UINT, M::Pack2x16unorm),
+    ("packHalf2x16", Ty::Vector(Kind::Float, 2), Ty::UINT, M::Pack2x16float),
+    ("unpackSnorm4x8", Ty::UINT, Ty::Vector(Kind::Float, 4), M::Unpack4x8snorm),
+    ("unpackUnorm4x8", Ty::UINT, Ty::Vector(Kind::Float, 4), M::Unpack4x8unorm),
+    ("unpackSnorm2x16", Ty::UINT, Ty::Vector(Kind::Float, 2), M::Unpack2x16snorm),
+    ("unpackUnorm2x16", Ty::UINT, Ty::Vector(Kind::Float, 2), M::Unpack2x16unorm),
+    ("unpackHalf2x16", Ty::UINT, Ty::Vector(Kind::Float, 2), M::Unpack2x16float),
+];
+
+/// Functions of other shapes, here and in [`math_expanded`](super::math_expanded).
+const OTHERS: &[&str] = &[
+    "mod",
+    "mix",
+    "isnan",
+    "isinf",
+    "floatBitsToInt",
+    "floatBitsToUint",
+    "intBitsToFloat",
+    "uintBitsToFloat",
+    "ldexp",
+    "length",
+    "distance",
+    "dot",
+    "normalize",
+    "faceforward",
+    "reflect",
+    "refract",
+    "matrixCompMult",
+    "outerProduct",
+    "transpose",
+    "lessThan",
+    "lessThanEqual",
+    "greaterThan",
+    "greaterThanEqual",
+    "equal",
+    "notEqual",
+    "any",
+    "all",
+    "not",
+    "bitfieldExtract",
+    "bitfieldInsert",
+    "dFdx",
+    "dFdy",
+    "fwidth",
+    "dFdxFine",
+    "dFdyFine",
+    "fwidthFine",
+    "dFdxCoarse",
+    "dFdyCoarse",
+    "fwidthCoarse",
+];
+
+pub fn is_known(name: &str) -> bool {
+    TABLE.iter().any(|row| row.0 == name)
+        || PACKING.iter().any(|row| row.0 == name)
+        || OTHERS.contains(&name)
+        || super::call::OUTPUTS.contains(&name)
+}
+
+impl Body<'_, '_> {
+    pub fn math(&mut self, fun: M, arguments: &[Handle<Expression>]) -> Handle<Expression> {
+        let of = |i: usize| arguments.get(i).copied();
+        let arg = arguments[0];
+        self.add(Expression::Math { fun, arg, arg1: of(1), arg2: of(2), arg3: of(3) })
+    }
+
+    /// Calls a function of numbers; `None` when it does not take these.
+    pub fn math_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
+        let row = TABLE.iter().find(|row| row.0 == name && row.1 == values.len());
+        if let Some((_, _, takes, fun)) = row {
+            return self.tabled(*takes, *fun, values);
+        }
+        if let ([value], Some((_, from, to, fun))) =
+            (values, PACKING.iter().find(|row| row.0 == name))
+        {
+            let value = self.coerce(value, from)?;
+            let expr = self.math(*fun, &[value.expr]);
+            return Ok(Some(Val { expr, ty: to.clone() }));
+        }
+        match (name, values) {
+            ("isnan" | "isinf", [x]) => {
+                let Some((_, size)) = x.ty.components() else { return Ok(None) };
+                let x = self.float(x)?;
+                let fun = match name {
+                    "isnan" => naga::RelationalFunction::IsNan,
+                    _ => naga::RelationalFunction::IsInf,
+                };
+                let expr = self.add(Expression::Relational { fun, argument: x.expr });
+                Ok(Some(Val { expr, ty: Ty::of(Kind::Bool, size) }))
+            }
+            ("any" | "all", [x]) if matches!(x.ty, Ty::Vector(Kind::Bool, _)) => {
+                let fun = match name {
+                    "any" => naga::RelationalFunction::Any,
+                    _ => naga::RelationalFunction::All,
+                };
+                let expr = self.add(Expression::Relational { fun, argument: x.expr });
+                Ok(Some(Val { expr, ty: Ty::BOOL }))
+            }
+            ("not", [x]) if x.ty.kind() == Some(Kind::Bool) => {
+                Ok(Some(Val { expr: self.not(x.expr), ty: x.ty.clone() }))
+            }
+            ("floatBitsToInt", [x]) => self.bits(x, Kind::Float, Kind::Int),
+            ("floatBitsToUint", [x]) => self.bits(x, Kind::Float, Kind::Uint),
+            ("intBitsToFloat", [x]) => self.bits(x, Kind::Int, Kind::Float),
+            ("uintBitsToFloat", [x]) => self.bits(x, Kind::Uint, Kind::Float),
+            ("transpose", [x]) => {
+                let Ty::Matrix(kind, columns, rows) = x.ty else { return Ok(None) };
+                let expr = self.transpose(x.expr);
+                Ok(Some(Val { expr, ty: Ty::Matrix(kind, rows, columns) }))
+            }
+            ("lessThan", [a, b]) => self.compare(Binary::Less, a, b),
+            ("lessThanEqual", [a, b]) => self.compare(Binary::LessEqual, a, b),
+            ("greaterThan", [a, b]) => self.compare(Binary::Greater, a, b),
+            ("greaterThanEqual", [a, b]) => self.compare(Binary::GreaterEqual, a, b),
+            ("equal", [a, b]) => self.compare(Binary::Equal, a, b),
+            ("notEqual", [a, b]) => self.compare(Binary::NotEqual, a, b),
+            ("bitfieldExtract", [x, offset, bits]) => {
+                let (offset, bits) = (self.unsigned(offset)?, self.unsigned(bits)?);
+                let expr = self.math(M::ExtractBits, &[x.expr, offset, bits]);
+                Ok(Some(Val { expr, ty: x.ty.clone() }))
+            }
+            ("bitfieldInsert", [base, insert, offset, bits]) => {
+                let insert = self.coerce(insert, &base.ty)?;
+                let (offset, bits) = (self.unsigned(offset)?, self.unsigned(bits)?);
+                let expr = self.math(M::InsertBits, &[base.expr, insert.expr, offset, bits]);
+                Ok(Some(Val { expr, ty: base.ty.clone() }))
+            }
+            ("ldexp", [x, exponent]) => {
+                let x = self.float(x)?;
+                let exponent = self.convert(exponent, &exponent.ty.with_kind(Kind::Int))?;
+                let expr = self.math(M::Ldexp, &[x.expr, exponent.expr]);
+                Ok(Some(Val { expr, ty: x.ty }))
+            }
+            _ if name.starts_with("dFd") || name.starts_with("fwidth") => {
+                let [x] = values else { return Ok(None) };
+                self.derivative(name, x).map(Some)
+            }
+            _ => self.expanded_call(name, values),
+        }
+    }
+
+    fn tabled(&mut self, takes: Takes, fun: M, values: &[Val]) -> R<Option<Val>> {
+        if takes == Takes::Square {
+            let Ty::Matrix(kind, columns, rows) = values[0].ty else { return Ok(None) };
+            if columns != rows {
+                return Ok(None);
+            }
+            let expr = self.math(fun, &[values[0].expr]);
+            let scalar = fun == M::Determinant;
+            let ty = if scalar { Ty::Scalar(kind) } else { values[0].ty.clone() };
+            return Ok(Some(Val { expr, ty }));
+        }
+        let Some(mut values) =
+            self.alike(values, takes != Takes::Numbers && takes != Takes::Bits)?
+        else {
+            return Ok(None);
+        };
+        let mut ty = values[0].ty.clone();
+        if takes == Takes::Vectors && ty.components().is_none_or(|(_, size)| size != 3) {
+            return Ok(None);
+        }
+        let kind = ty.kind().unwrap_or(Kind::Float);
+        // naga's `abs` of an unsigned number is not in every backend, and changes nothing.
+        if fun == M::Abs && kind.is_integer() && !kind.is_signed() {
+            return Ok(values.pop());
+        }
+        let arguments: Vec<_> = values.iter().map(|value| value.expr).collect();
+        let mut expr = self.math(fun, &arguments);
+        if takes == Takes::Bits && kind == Kind::Uint {
+            ty = ty.with_kind(Kind::Int);
+            expr = self.add(Expression::As { expr, kind: ScalarKind::Sint, convert: Some(4) });
+        }
+        Ok(Some(Val { expr, ty }))
+    }
+
+    /// Scalars and vectors as vectors of one size and kind; `None` when they are not alike.
+    pub fn alike(&mut self, values: &[Val], floats: bool) -> R<Option<Vec<Val>>> {
+        let mut size = 1;
+        let mut kind = if floats { Kind::Half } else { Kind::Short };
+        let mut any = None;
+        for value in values {
+            let Some((own, count)) = value.ty.components() else { return Ok(None) };
+            if own == Kind::Bool || (count != 1 && size != 1 && count != size) {
+                return Ok(None);
+            }
+            size = size.max(count);
+            kind = match any {
+                None => own,
+                Some(_) if kind.converts_to(own) => own,
+                Some(_) => kind,
+            };
+            any = Some(());
+        }
+        if floats && !kind.is_float() {
+            kind = Kind::Float;
+        }
+        let mut alike = Vec::new();
+        for value in values {
+            let value = self.convert(value, &value.ty.with_kind(kind))?;
+            let single = matches!(value.ty, Ty::Scalar(_));
+            alike.push(if single { self.splat(&value, size)? } else { value });
+        }
+        Ok(Some(alike))
+    }
+
+    /// A scalar or vector as one of floats.
+    pub fn float(&mut self, value: &Val) -> R<Val> {
+        match value.ty.kind() {
+            Some(kind) if kind.is_float() => Ok(value.clone()),
+            _ => self.coerce(value, &value.ty.with_kind(Kind::Float)),
+        }
+    }
+
+    fn unsigned(&mut self, value: &Val) -> R<Handle<Expression>> {
+        Ok(self.convert(value, &Ty::UINT)?.expr)
+    }
+
+    fn bits(&mut self, value: &Val, from: Kind, to: Kind) -> R<Option<Val>> {
+        let value = self.coerce(value, &value.ty.with_kind(from))?;
+        let kind = to.scalar().kind;
+        let expr = self.add(Expression::As { expr: value.expr, kind, convert: None });
+        Ok(Some(Val { expr, ty: value.ty.with_kind(to) }))
+    }
+
+    fn compare(&mut self, op: Binary, a: &Val, b: &Val) -> R<Option<Val>> {
+        let ty = self.common(&a.ty, &b.ty)?;
+        let Some((_, size)) = ty.components() else { return Ok(None) };
+        let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
+        let expr = self.binary(comparison(op), a.expr, b.expr);
+        Ok(Some(Val { expr, ty: Ty::of(Kind::Bool, size) }))
+    }
+
+    fn derivative(&mut self, name: &str, x: &Val) -> R<Val> {
+        let x = self.float(x)?;
+        let axis = match name.as_bytes()[..4] {
+            [b'd', b'F', b'd', b'x'] => DerivativeAxis::X,
+            [b'd', b'F', b'd', b'y'] => DerivativeAxis::Y,
+            _ => DerivativeAxis::Width,
+        };
+        let ctrl = if name.ends_with("Fine") {
+            DerivativeControl::Fine
+        } else if name.ends_with("Coarse") {
+            DerivativeControl::Coarse
+        } else {
+            DerivativeControl::None
+        };
+        let expr = self.add(Expression::Derivative { axis, ctrl, expr: x.expr });
+        Ok(Val { expr, ty: x.ty })
+    }
+}

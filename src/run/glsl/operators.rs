@@ -1,0 +1,294 @@
+//! Operators and conversions (GLSL 4.60 §4.1.10, §5.9).
+
+use naga::{BinaryOperator as B, Expression, Handle, RelationalFunction};
+
+use super::R;
+use super::ast::Binary;
+use super::body::{Body, Val};
+use super::types::{Kind, Ty, carried};
+
+impl Body<'_, '_> {
+    /// A value as another type it becomes by itself.
+    pub fn coerce(&mut self, value: &Val, ty: &Ty) -> R<Val> {
+        if !value.ty.converts_to(ty) {
+            return self.refuse(format!("a `{}` stands where a `{ty}` is wanted", value.ty));
+        }
+        self.convert(value, ty)
+    }
+
+    /// A scalar, vector or matrix with components of another kind.
+    pub fn convert(&mut self, value: &Val, ty: &Ty) -> R<Val> {
+        if value.ty == *ty {
+            return Ok(value.clone());
+        }
+        let (Some(from), Some(to)) = (value.ty.kind(), ty.kind()) else {
+            return self.refuse(format!("a `{}` is no `{ty}`", value.ty));
+        };
+        if value.ty.with_kind(to) != *ty {
+            return self.refuse(format!("a `{}` is no `{ty}`", value.ty));
+        }
+        if from == to {
+            return Ok(Val { expr: value.expr, ty: ty.clone() });
+        }
+        if let Expression::Literal(literal) = &self.function.expressions[value.expr] {
+            if let Some(number) = number_of(literal) {
+                return Ok(self.number(to, number));
+            }
+        }
+        let scalar = to.scalar();
+        if let Ty::Matrix(_, columns, rows) = ty {
+            if scalar.width != from.scalar().width {
+                let mut parts = Vec::new();
+                for i in 0..*columns {
+                    let expr = self.part(value.expr, i.into());
+                    let (kind, convert) = (scalar.kind, Some(scalar.width));
+                    parts.push(self.add(Expression::As { expr, kind, convert }));
+                }
+                return self.compose(&Ty::Matrix(to, *columns, *rows), parts);
+            }
+        }
+        let expr = value.expr;
+        let expr =
+            self.add(Expression::As { expr, kind: scalar.kind, convert: Some(scalar.width) });
+        Ok(Val { expr, ty: ty.clone() })
+    }
+
+    /// The type two values become when one operator takes both, their shapes being the same.
+    pub fn common(&self, a: &Ty, b: &Ty) -> R<Ty> {
+        if a.converts_to(b) {
+            Ok(b.clone())
+        } else if b.converts_to(a) {
+            Ok(a.clone())
+        } else {
+            self.refuse(format!("a `{a}` and a `{b}` do not go together"))
+        }
+    }
+
+    fn common_kind(&self, a: &Ty, b: &Ty) -> R<Kind> {
+        match (a.kind(), b.kind()) {
+            (Some(x), Some(y)) if x.converts_to(y) => Ok(y),
+            (Some(x), Some(y)) if y.converts_to(x) => Ok(x),
+            _ => self.refuse(format!("a `{a}` and a `{b}` do not go together")),
+        }
+    }
+
+    /// What a binary operator gives.
+    pub fn operate(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
+        match op {
+            Binary::Equal | Binary::NotEqual => {
+                let ty = self.common(&a.ty, &b.ty)?;
+                let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
+                let expr = self.equal(a.expr, b.expr, &ty, op == Binary::Equal)?;
+                Ok(Val { expr, ty: Ty::BOOL })
+            }
+            Binary::Less | Binary::LessEqual | Binary::Greater | Binary::GreaterEqual => {
+                let ty = self.common(&a.ty, &b.ty)?;
+                if !matches!(ty, Ty::Scalar(kind) if kind != Kind::Bool) {
+                    return self.refuse(format!("`<` and its like do not take a `{ty}`"));
+                }
+                let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
+                Ok(Val { expr: self.binary(comparison(op), a.expr, b.expr), ty: Ty::BOOL })
+            }
+            Binary::Xor => {
+                let (a, b) = (self.coerce(a, &Ty::BOOL)?, self.coerce(b, &Ty::BOOL)?);
+                Ok(Val { expr: self.binary(B::NotEqual, a.expr, b.expr), ty: Ty::BOOL })
+            }
+            Binary::And | Binary::Or => {
+                let (a, b) = (self.coerce(a, &Ty::BOOL)?, self.coerce(b, &Ty::BOOL)?);
+                let op = if op == Binary::And { B::LogicalAnd } else { B::LogicalOr };
+                Ok(Val { expr: self.binary(op, a.expr, b.expr), ty: Ty::BOOL })
+            }
+            Binary::ShiftLeft | Binary::ShiftRight => self.shift(op, a, b),
+            Binary::BitAnd | Binary::BitOr | Binary::BitXor | Binary::Modulo => {
+                let kind = self.common_kind(&a.ty, &b.ty)?;
+                if !kind.is_integer() {
+                    let (a, b) = (&a.ty, &b.ty);
+                    return self.refuse(format!("this operator does not take a `{a}` and a `{b}`"));
+                }
+                let (a, b) = self.same_shape(a, b, kind)?;
+                Ok(Val { expr: self.binary(arithmetic(op), a.expr, b.expr), ty: a.ty })
+            }
+            Binary::Add | Binary::Subtract | Binary::Multiply | Binary::Divide => {
+                let kind = self.common_kind(&a.ty, &b.ty)?;
+                if kind == Kind::Bool {
+                    return self.refuse("this operator does not take a `bool`");
+                }
+                let a = self.convert(a, &a.ty.with_kind(kind))?;
+                let b = self.convert(b, &b.ty.with_kind(kind))?;
+                if matches!(a.ty, Ty::Matrix(..)) || matches!(b.ty, Ty::Matrix(..)) {
+                    return self.with_matrix(op, &a, &b);
+                }
+                // naga multiplies a vector of floats by a scalar as it stands.
+                let mixed = op == Binary::Multiply
+                    && kind.is_float()
+                    && (matches!(a.ty, Ty::Scalar(_)) != matches!(b.ty, Ty::Scalar(_)));
+                if mixed {
+                    let ty = if matches!(a.ty, Ty::Scalar(_)) { &b.ty } else { &a.ty };
+                    let ty = ty.clone();
+                    return Ok(Val { expr: self.binary(B::Multiply, a.expr, b.expr), ty });
+                }
+                let (a, b) = self.same_shape(&a, &b, kind)?;
+                Ok(Val { expr: self.binary(arithmetic(op), a.expr, b.expr), ty: a.ty })
+            }
+        }
+    }
+
+    /// Two scalars or vectors as vectors of one size and kind.
+    pub fn same_shape(&mut self, a: &Val, b: &Val, kind: Kind) -> R<(Val, Val)> {
+        let a = self.convert(a, &a.ty.with_kind(kind))?;
+        let b = self.convert(b, &b.ty.with_kind(kind))?;
+        match (a.ty.components(), b.ty.components()) {
+            (Some((_, x)), Some((_, y))) if x == y => Ok((a, b)),
+            (Some((_, 1)), Some((_, y))) => Ok((self.splat(&a, y)?, b)),
+            (Some((_, x)), Some((_, 1))) => {
+                let b = self.splat(&b, x)?;
+                Ok((a, b))
+            }
+            _ => self.refuse(format!("a `{}` and a `{}` do not go together", a.ty, b.ty)),
+        }
+    }
+
+    fn shift(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
+        let (Some((kind, size)), Some((by, width))) = (a.ty.components(), b.ty.components()) else {
+            return self.refuse(format!("a `{}` is not shifted", a.ty));
+        };
+        if !kind.is_integer() || !by.is_integer() || (width != 1 && width != size) {
+            return self.refuse(format!("a `{}` is not shifted by a `{}`", a.ty, b.ty));
+        }
+        let by = self.convert(b, &b.ty.with_kind(Kind::Uint))?;
+        let by = if width == 1 { self.splat(&by, size)? } else { by };
+        let op = if op == Binary::ShiftLeft { B::ShiftLeft } else { B::ShiftRight };
+        Ok(Val { expr: self.binary(op, a.expr, by.expr), ty: a.ty.clone() })
+    }
+
+    fn with_matrix(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
+        let wrong =
+            |this: &Self| this.refuse(format!("a `{}` and a `{}` do not go together", a.ty, b.ty));
+        if op == Binary::Multiply {
+            let ty = match (&a.ty, &b.ty) {
+                (Ty::Matrix(..), Ty::Scalar(_)) => a.ty.clone(),
+                (Ty::Scalar(_), Ty::Matrix(..)) => b.ty.clone(),
+                (Ty::Matrix(kind, columns, rows), Ty::Vector(_, size)) if columns == size => {
+                    Ty::Vector(*kind, *rows)
+                }
+                (Ty::Vector(kind, size), Ty::Matrix(_, columns, rows)) if size == rows => {
+                    Ty::Vector(*kind, *columns)
+                }
+                (Ty::Matrix(kind, columns, rows), Ty::Matrix(_, other, inner))
+                    if columns == inner =>
+                {
+                    Ty::Matrix(*kind, *other, *rows)
+                }
+                _ => return wrong(self),
+            };
+            return Ok(Val { expr: self.binary(B::Multiply, a.expr, b.expr), ty });
+        }
+        let (ty, columns) = match (&a.ty, &b.ty) {
+            (Ty::Matrix(_, columns, _), other) if *other == a.ty => (a.ty.clone(), *columns),
+            (Ty::Matrix(_, columns, _), Ty::Scalar(_)) => (a.ty.clone(), *columns),
+            (Ty::Scalar(_), Ty::Matrix(_, columns, _)) => (b.ty.clone(), *columns),
+            _ => return wrong(self),
+        };
+        if a.ty == b.ty && op != Binary::Divide {
+            return Ok(Val { expr: self.binary(arithmetic(op), a.expr, b.expr), ty });
+        }
+        let mut parts = Vec::new();
+        for i in 0..u32::from(columns) {
+            let left = self.column_or_scalar(a, i);
+            let right = self.column_or_scalar(b, i);
+            parts.push(self.operate(op, &left, &right)?.expr);
+        }
+        self.compose(&ty, parts)
+    }
+
+    fn column_or_scalar(&mut self, value: &Val, index: u32) -> Val {
+        match value.ty {
+            Ty::Matrix(kind, _, rows) => {
+                Val { expr: self.part(value.expr, index), ty: Ty::Vector(kind, rows) }
+            }
+            _ => value.clone(),
+        }
+    }
+
+    /// Whether two values of one type are the same, or not the same.
+    pub fn equal(
+        &mut self,
+        a: Handle<Expression>,
+        b: Handle<Expression>,
+        ty: &Ty,
+        same: bool,
+    ) -> R<Handle<Expression>> {
+        let (op, fun, join) = match same {
+            true => (B::Equal, RelationalFunction::All, B::LogicalAnd),
+            false => (B::NotEqual, RelationalFunction::Any, B::LogicalOr),
+        };
+        let parts: Vec<(u32, Ty)> = match ty {
+            Ty::Scalar(_) => return Ok(self.binary(op, a, b)),
+            Ty::Vector(..) => {
+                let argument = self.binary(op, a, b);
+                return Ok(self.add(Expression::Relational { fun, argument }));
+            }
+            Ty::Matrix(kind, columns, rows) => {
+                (0..*columns).map(|i| (i.into(), Ty::Vector(*kind, *rows))).collect()
+            }
+            Ty::Array(element, Some(len)) if *len <= 256 => {
+                (0..*len).map(|i| (i, (**element).clone())).collect()
+            }
+            Ty::Struct(s) => {
+                carried(s).enumerate().map(|(i, f)| (i as u32, f.ty.clone())).collect()
+            }
+            Ty::Array(..) | Ty::Void | Ty::Opaque(_) => {
+                return self.refuse(format!("values of `{ty}` are not compared"));
+            }
+        };
+        let mut result = None;
+        for (index, ty) in parts {
+            let (left, right) = (self.part(a, index), self.part(b, index));
+            let part = self.equal(left, right, &ty, same)?;
+            result = Some(match result {
+                Some(before) => self.binary(join, before, part),
+                None => part,
+            });
+        }
+        match result {
+            Some(result) => Ok(result),
+            None => self.refuse(format!("a `{ty}` has nothing to compare")),
+        }
+    }
+}
+
+pub fn comparison(op: Binary) -> B {
+    match op {
+        Binary::Less => B::Less,
+        Binary::LessEqual => B::LessEqual,
+        Binary::Greater => B::Greater,
+        Binary::GreaterEqual => B::GreaterEqual,
+        Binary::NotEqual => B::NotEqual,
+        _ => B::Equal,
+    }
+}
+
+fn arithmetic(op: Binary) -> B {
+    match op {
+        Binary::Subtract => B::Subtract,
+        Binary::Multiply => B::Multiply,
+        Binary::Divide => B::Divide,
+        Binary::Modulo => B::Modulo,
+        Binary::BitAnd => B::And,
+        Binary::BitOr => B::InclusiveOr,
+        Binary::BitXor => B::ExclusiveOr,
+        _ => B::Add,
+    }
+}
+
+fn number_of(literal: &naga::Literal) -> Option<f64> {
+    use naga::Literal as L;
+    Some(match *literal {
+        L::F64(v) => v,
+        L::F32(v) => v.into(),
+        L::U32(v) => v.into(),
+        L::I32(v) if v >= 0 => v.into(),
+        L::Bool(v) => u8::from(v).into(),
+        _ => return None,
+    })
+}

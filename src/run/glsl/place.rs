@@ -1,0 +1,655 @@
+//! Places: what can be read and written, and the way from a place to its parts.
+//!
+//! A place in a block is in [`host`](super::host) memory; loads give values, stores take them.
+
+use std::rc::Rc;
+
+use naga::{BinaryOperator, Expression, Handle, Statement};
+
+use super::body::{Body, Val};
+use super::host::{Host, HostKind, stored_vector, transposed};
+use super::types::{Kind, Structure, Ty, carried, vector_size};
+use super::{Lowerer, R};
+
+/// Arrays longer than this are copied by a loop.
+const LONGEST_UNROLLED: u32 = 8;
+
+/// Where a value is kept.
+#[derive(Clone, Debug)]
+pub enum Mem {
+    /// Behind a pointer to the type that carries values.
+    Own(Handle<Expression>),
+    /// In memory that has a layout of its own.
+    Host(Address, Rc<Host>),
+    /// A column of a matrix that is stored by rows.
+    Column(Address, Rc<Host>, Index),
+    /// Nowhere: a structure of handles.
+    Nothing,
+}
+
+/// How memory is reached.
+#[derive(Clone, Debug)]
+pub enum Address {
+    /// By a pointer of naga's.
+    Pointer(Handle<Expression>),
+    /// By a byte of a block of words: `fixed`, and `dynamic` added to it.
+    Words {
+        block: Handle<Expression>,
+        /// Whether the words come in fours.
+        fours: bool,
+        fixed: u32,
+        dynamic: Option<Handle<Expression>>,
+    },
+}
+
+/// Which element.
+#[derive(Clone, Copy, Debug)]
+pub enum Index {
+    Fixed(u32),
+    Dynamic(Handle<Expression>),
+}
+
+/// Something that can be read, and written if `writable`.
+#[derive(Clone, Debug)]
+pub struct Place {
+    pub mem: Mem,
+    /// Of the value it gives, the selection applied.
+    pub ty: Ty,
+    /// Components selected of the vector there.
+    pub swizzle: Option<(u8, Vec<u8>)>,
+    /// Its name and way, where handles are found by it.
+    pub path: Option<Way>,
+    pub writable: bool,
+}
+
+/// The way to a handle: `materials[2].diffuse`.
+#[derive(Clone, Debug)]
+pub struct Way {
+    /// `[?]` stands for the element that `dynamic` says.
+    pub text: String,
+    /// An index known only when the shader runs, and how many elements there are.
+    pub dynamic: Option<(Handle<Expression>, u32)>,
+}
+
+impl Place {
+    pub fn new(mem: Mem, ty: Ty) -> Place {
+        Place { mem, ty, swizzle: None, path: None, writable: true }
+    }
+
+    fn part(&self, mem: Mem, ty: Ty) -> Place {
+        Place { mem, ty, swizzle: None, path: None, writable: self.writable }
+    }
+}
+
+/// The components a selection names: `xyzw`, `rgba` or `stpq`, below `size`.
+pub fn selection(name: &str, size: usize) -> Option<Vec<u8>> {
+    let first = name.chars().next()?;
+    let set = ["xyzw", "rgba", "stpq"].into_iter().find(|set| set.contains(first))?;
+    if name.len() > 4 {
+        return None;
+    }
+    name.chars().map(|c| set.find(c).filter(|&i| i < size).map(|i| i as u8)).collect()
+}
+
+impl Address {
+    /// So many bytes further on, in words.
+    fn further(&self, bytes: u32) -> Address {
+        match self {
+            Address::Words { block, fours, fixed, dynamic } => Address::Words {
+                block: *block,
+                fours: *fours,
+                fixed: fixed.saturating_add(bytes),
+                dynamic: *dynamic,
+            },
+            Address::Pointer(pointer) => Address::Pointer(*pointer),
+        }
+    }
+}
+
+impl Body<'_, '_> {
+    fn at(&mut self, base: Handle<Expression>, index: Index) -> Handle<Expression> {
+        match index {
+            Index::Fixed(index) => self.add(Expression::AccessIndex { base, index }),
+            Index::Dynamic(index) => self.add(Expression::Access { base, index }),
+        }
+    }
+
+    /// The address of an element at a stride; a pointer goes to the element itself.
+    fn step(&mut self, at: &Address, index: Index, stride: u32) -> Address {
+        match (at, index) {
+            (Address::Pointer(pointer), index) => Address::Pointer(self.at(*pointer, index)),
+            (Address::Words { .. }, Index::Fixed(i)) => at.further(i.saturating_mul(stride)),
+            (Address::Words { block, fours, fixed, dynamic }, Index::Dynamic(index)) => {
+                let index = self.to_u32(index);
+                let stride = self.u32(stride);
+                let mut bytes = self.binary(BinaryOperator::Multiply, index, stride);
+                if let Some(dynamic) = dynamic {
+                    bytes = self.binary(BinaryOperator::Add, *dynamic, bytes);
+                }
+                let dynamic = Some(bytes);
+                Address::Words { block: *block, fours: *fours, fixed: *fixed, dynamic }
+            }
+        }
+    }
+
+    /// An index as `u32`; it is `i32` or `u32`, which a conversion leaves or takes as bits.
+    fn to_u32(&mut self, index: Handle<Expression>) -> Handle<Expression> {
+        let kind = naga::ScalarKind::Uint;
+        self.add(Expression::As { expr: index, kind, convert: Some(4) })
+    }
+
+    /// A member of a structure.
+    pub fn member_of(&mut self, place: &Place, structure: &Structure, name: &str) -> R<Place> {
+        let Some(field) = structure.members.iter().find(|f| f.name == name) else {
+            return self.refuse(format!("`{}` has no member `{name}`", Ty::name_of(structure)));
+        };
+        let ty = field.ty.clone();
+        let path = place
+            .path
+            .as_ref()
+            .map(|way| Way { text: format!("{}.{name}", way.text), dynamic: way.dynamic });
+        let mem = if !super::types::holds_values(&ty) {
+            Mem::Nothing
+        } else {
+            match &place.mem {
+                Mem::Own(pointer) => {
+                    let index = carried(structure).position(|f| f.name == name);
+                    let index = index.expect("a field that holds values is carried") as u32;
+                    Mem::Own(self.part(*pointer, index))
+                }
+                Mem::Host(at, host) => {
+                    let HostKind::Struct(members) = &host.kind else {
+                        // A structure that naga lays out itself, behind a shared variable.
+                        let Address::Pointer(pointer) = at else {
+                            return self.refuse("a block holds no structure here");
+                        };
+                        let index = carried(structure).position(|f| f.name == name);
+                        let index = index.expect("a field that holds values is carried") as u32;
+                        let mem = Mem::Own(self.part(*pointer, index));
+                        return Ok(Place { path, ..place.part(mem, ty) });
+                    };
+                    let member = members.iter().find(|m| m.name == name);
+                    let Some(member) = member else {
+                        return self.refuse(format!("`{name}` has no place in its block"));
+                    };
+                    let at = match at {
+                        Address::Pointer(pointer) => {
+                            Address::Pointer(self.part(*pointer, member.index))
+                        }
+                        words @ Address::Words { .. } => words.further(member.offset),
+                    };
+                    Mem::Host(at, member.host.clone())
+                }
+                Mem::Column(..) | Mem::Nothing => Mem::Nothing,
+            }
+        };
+        Ok(Place { path, ..place.part(mem, ty) })
+    }
+
+    /// An element of an array, a column of a matrix, a component of a vector.
+    pub fn element_of(&mut self, place: &Place, index: Index) -> R<Place> {
+        let Some((ty, len)) = place.ty.indexed() else {
+            return self.refuse(format!("a `{}` has no elements", place.ty));
+        };
+        if let (Index::Fixed(i), Some(len)) = (index, len) {
+            if i >= len {
+                return self.refuse(format!("index {i} is past the end of `{}`", place.ty));
+            }
+        }
+        if let Some((size, picks)) = &place.swizzle {
+            let Index::Fixed(i) = index else {
+                return self.refuse("a selection of components is indexed with a variable");
+            };
+            let whole = Ty::Vector(place.ty.kind().unwrap_or(Kind::Float), *size);
+            let base = Place { swizzle: None, ty: whole, ..place.clone() };
+            return self.element_of(&base, Index::Fixed(picks[i as usize].into()));
+        }
+        let path = match (&place.path, index) {
+            (None, _) => None,
+            (Some(Way { text, dynamic }), Index::Fixed(i)) => {
+                Some(Way { text: format!("{text}[{i}]"), dynamic: *dynamic })
+            }
+            (Some(Way { text, dynamic: None }), Index::Dynamic(index)) => {
+                Some(Way { text: format!("{text}[?]"), dynamic: len.map(|len| (index, len)) })
+            }
+            // Two variable indices on the way to a handle: it is not found by it any more.
+            (Some(Way { dynamic: Some(_), .. }), Index::Dynamic(_)) => None,
+        };
+        let mem = match &place.mem {
+            Mem::Own(pointer) => Mem::Own(self.at(*pointer, index)),
+            Mem::Host(at, host) => match &host.kind {
+                HostKind::Array { element, stride, .. } => {
+                    Mem::Host(self.step(at, index, *stride), element.clone())
+                }
+                HostKind::Matrix { row_major: true, .. } => {
+                    Mem::Column(at.clone(), host.clone(), index)
+                }
+                HostKind::Matrix { stride, .. } => {
+                    let at = self.step(at, index, *stride);
+                    Mem::Host(at, Lowerer::host_part(ty.clone()))
+                }
+                HostKind::Leaf | HostKind::Atomic | HostKind::Struct(_) => {
+                    if let (Address::Pointer(pointer), false) =
+                        (at, place.ty.components().is_some())
+                    {
+                        Mem::Own(self.at(*pointer, index))
+                    } else {
+                        let width =
+                            place.ty.kind().map_or(4, |k| u32::from(k.scalar().width.max(4)));
+                        let at = self.step(at, index, width);
+                        Mem::Host(at, Lowerer::host_part(ty.clone()))
+                    }
+                }
+            },
+            Mem::Column(at, host, column) => {
+                let HostKind::Matrix { stride, .. } = host.kind else {
+                    return self.refuse("only a matrix has columns");
+                };
+                let row = self.step(at, index, stride);
+                let width = ty.kind().map_or(4, |k| k.scalar().width.into());
+                let at = self.step(&row, *column, width);
+                Mem::Host(at, Lowerer::host_part(ty.clone()))
+            }
+            Mem::Nothing => Mem::Nothing,
+        };
+        Ok(Place { path, ..place.part(mem, ty) })
+    }
+
+    /// `.xyz` of a vector, or `.x` of a scalar.
+    pub fn swizzle_of(&mut self, place: &Place, name: &str) -> R<Place> {
+        let Some((kind, size)) = place.ty.components() else {
+            return self.refuse(format!("a `{}` has no member `{name}`", place.ty));
+        };
+        let Some(picks) = selection(name, size.into()) else {
+            return self.refuse(format!("a `{}` has no components `{name}`", place.ty));
+        };
+        if size == 1 && picks == [0] {
+            return Ok(place.clone());
+        }
+        if let ([pick], false) = (&picks[..], size == 1) {
+            return self.element_of(place, Index::Fixed((*pick).into()));
+        }
+        let ty = Ty::of(kind, picks.len() as u8);
+        let (whole, picks) = match &place.swizzle {
+            Some((whole, before)) => (*whole, picks.iter().map(|&i| before[i as usize]).collect()),
+            None => (size, picks),
+        };
+        let distinct = (1..picks.len()).all(|i| !picks[..i].contains(&picks[i]));
+        let writable = place.writable && distinct && size > 1;
+        Ok(Place { ty, swizzle: Some((whole, picks)), writable, ..place.clone() })
+    }
+
+    /// The value there.
+    pub fn load(&mut self, place: &Place) -> R<Val> {
+        if let Some((size, picks)) = &place.swizzle {
+            let kind = place.ty.kind().unwrap_or(Kind::Float);
+            let whole = Place { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            let vector = self.load(&whole)?;
+            return self.select(&vector, picks);
+        }
+        match &place.mem {
+            Mem::Own(pointer) => {
+                if place.ty.has_opaque() && !super::types::holds_values(&place.ty) {
+                    return self.refuse(format!("a `{}` has no value", place.ty));
+                }
+                let expr = self.add(Expression::Load { pointer: *pointer });
+                Ok(Val { expr, ty: place.ty.clone() })
+            }
+            Mem::Host(at, host) => self.load_host(at, host),
+            Mem::Column(at, host, column) => {
+                let (_, rows) = stored_vector(&host.ty, true);
+                let mut components = Vec::new();
+                for row in 0..u32::from(rows) {
+                    let column = Place::new(
+                        Mem::Column(at.clone(), host.clone(), *column),
+                        place.ty.clone(),
+                    );
+                    let part = self.element_of(&column, Index::Fixed(row))?;
+                    components.push(self.load(&part)?.expr);
+                }
+                self.compose(&place.ty, components)
+            }
+            Mem::Nothing => self.refuse(format!("a `{}` has no value", place.ty)),
+        }
+    }
+
+    /// Components of a vector, or a scalar several times.
+    pub fn select(&mut self, vector: &Val, picks: &[u8]) -> R<Val> {
+        use naga::SwizzleComponent as C;
+        let (kind, size) = vector.ty.components().unwrap_or((Kind::Float, 1));
+        let ty = Ty::of(kind, picks.len() as u8);
+        if size == 1 {
+            return self.splat(vector, picks.len() as u8);
+        }
+        if let [pick] = picks {
+            return Ok(Val { expr: self.part(vector.expr, (*pick).into()), ty });
+        }
+        let mut pattern = [C::X; 4];
+        for (to, from) in pattern.iter_mut().zip(picks) {
+            *to = [C::X, C::Y, C::Z, C::W][usize::from(*from)];
+        }
+        let size = vector_size(picks.len() as u8);
+        let expr = self.add(Expression::Swizzle { size, vector: vector.expr, pattern });
+        Ok(Val { expr, ty })
+    }
+
+    pub fn splat(&mut self, scalar: &Val, size: u8) -> R<Val> {
+        let kind = scalar.ty.kind().unwrap_or(Kind::Float);
+        if size == 1 {
+            return Ok(scalar.clone());
+        }
+        let expr = self.add(Expression::Splat { size: vector_size(size), value: scalar.expr });
+        Ok(Val { expr, ty: Ty::Vector(kind, size) })
+    }
+
+    fn load_host(&mut self, at: &Address, host: &Rc<Host>) -> R<Val> {
+        if let (Address::Pointer(pointer), Some(naga)) = (at, host.naga) {
+            let runtime = matches!(host.ty, Ty::Array(_, None));
+            if !runtime && !host.ty.has_opaque() && self.cx.carrier(&host.ty, self.span)? == naga {
+                let expr = self.add(Expression::Load { pointer: *pointer });
+                return Ok(Val { expr, ty: host.ty.clone() });
+            }
+        }
+        match &host.kind {
+            HostKind::Leaf | HostKind::Atomic => self.load_leaf(at, &host.ty),
+            HostKind::Matrix { stride, row_major, plain } => {
+                if let (Address::Pointer(pointer), true) = (at, plain) {
+                    let expr = self.add(Expression::Load { pointer: *pointer });
+                    return Ok(Val { expr, ty: host.ty.clone() });
+                }
+                let (vector, count) = stored_vector(&host.ty, *row_major);
+                let mut vectors = Vec::new();
+                for i in 0..u32::from(count) {
+                    let at = self.step(at, Index::Fixed(i), *stride);
+                    vectors.push(self.load_leaf(&at, &vector)?.expr);
+                }
+                if !row_major {
+                    return self.compose(&host.ty, vectors);
+                }
+                let rows = self.compose(&transposed(&host.ty), vectors)?;
+                Ok(Val { expr: self.transpose(rows.expr), ty: host.ty.clone() })
+            }
+            HostKind::Array { element, stride, len } => {
+                let Some(len) = *len else {
+                    return self.refuse("a runtime-sized array is no value");
+                };
+                if len > LONGEST_UNROLLED {
+                    let local = self.local("", &host.ty)?;
+                    let pointer = self.local_pointer(local);
+                    let count = self.u32(len);
+                    self.repeat(count, |this, index| {
+                        let at = this.step(at, Index::Dynamic(index), *stride);
+                        let value = this.load_host(&at, element)?.expr;
+                        let pointer = this.at(pointer, Index::Dynamic(index));
+                        this.statement(Statement::Store { pointer, value });
+                        Ok(())
+                    })?;
+                    let expr = self.add(Expression::Load { pointer });
+                    return Ok(Val { expr, ty: host.ty.clone() });
+                }
+                let mut components = Vec::new();
+                for i in 0..len {
+                    let at = self.step(at, Index::Fixed(i), *stride);
+                    components.push(self.load_host(&at, element)?.expr);
+                }
+                self.compose(&host.ty, components)
+            }
+            HostKind::Struct(members) => {
+                let Ty::Struct(structure) = &host.ty else {
+                    return self.refuse("a block holds no structure here");
+                };
+                let mut components = Vec::new();
+                for field in carried(structure) {
+                    let Some(member) = members.iter().find(|m| m.name == field.name) else {
+                        return self.refuse(format!("`{}` has no place in its block", field.name));
+                    };
+                    let at = match at {
+                        Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
+                        words @ Address::Words { .. } => words.further(member.offset),
+                    };
+                    components.push(self.load_host(&at, &member.host)?.expr);
+                }
+                self.compose(&host.ty, components)
+            }
+        }
+    }
+
+    fn load_leaf(&mut self, at: &Address, ty: &Ty) -> R<Val> {
+        let Some((kind, size)) = ty.components() else {
+            let Address::Pointer(pointer) = at else {
+                return self.refuse(format!("a `{ty}` is no word"));
+            };
+            let expr = self.add(Expression::Load { pointer: *pointer });
+            return Ok(Val { expr, ty: ty.clone() });
+        };
+        let expr = match at {
+            Address::Pointer(pointer) => self.add(Expression::Load { pointer: *pointer }),
+            Address::Words { .. } => {
+                let mut words = Vec::new();
+                for i in 0..u32::from(size) {
+                    let pointer = self.word(&at.further(4 * i));
+                    words.push(self.add(Expression::Load { pointer }));
+                }
+                let words = match &words[..] {
+                    [word] => *word,
+                    _ => self.compose(&ty.with_kind(Kind::Uint), words)?.expr,
+                };
+                match kind {
+                    Kind::Bool | Kind::Uint => words,
+                    _ => {
+                        let kind = kind.scalar().kind;
+                        self.add(Expression::As { expr: words, kind, convert: None })
+                    }
+                }
+            }
+        };
+        if kind != Kind::Bool {
+            return Ok(Val { expr, ty: ty.clone() });
+        }
+        let zero = self.number(Kind::Uint, 0.0);
+        let zero = self.splat(&zero, size)?;
+        let expr = self.binary(BinaryOperator::NotEqual, expr, zero.expr);
+        Ok(Val { expr, ty: ty.clone() })
+    }
+
+    /// A pointer to the word at an address.
+    fn word(&mut self, at: &Address) -> Handle<Expression> {
+        let Address::Words { block, fours, fixed, dynamic } = at else {
+            unreachable!("only blocks of words have words");
+        };
+        let array = self.part(*block, 0);
+        let Some(dynamic) = dynamic else {
+            if *fours {
+                let four = self.part(array, fixed / 16);
+                return self.part(four, fixed / 4 % 4);
+            }
+            return self.part(array, fixed / 4);
+        };
+        let fixed = self.u32(*fixed);
+        let bytes = self.binary(BinaryOperator::Add, *dynamic, fixed);
+        let two = self.u32(2);
+        let word = self.binary(BinaryOperator::ShiftRight, bytes, two);
+        if !*fours {
+            return self.add(Expression::Access { base: array, index: word });
+        }
+        let (four, three) = (self.u32(2), self.u32(3));
+        let four = self.binary(BinaryOperator::ShiftRight, word, four);
+        let base = self.add(Expression::Access { base: array, index: four });
+        let index = self.binary(BinaryOperator::And, word, three);
+        self.add(Expression::Access { base, index })
+    }
+
+    pub fn transpose(&mut self, matrix: Handle<Expression>) -> Handle<Expression> {
+        let fun = naga::MathFunction::Transpose;
+        self.add(Expression::Math { fun, arg: matrix, arg1: None, arg2: None, arg3: None })
+    }
+
+    /// Puts a value of the place's type there.
+    pub fn store(&mut self, place: &Place, value: &Val) -> R<()> {
+        if !place.writable {
+            return self.refuse("what is on the left cannot be written");
+        }
+        if let Some((size, picks)) = &place.swizzle {
+            let kind = place.ty.kind().unwrap_or(Kind::Float);
+            let whole = Place { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            for (i, &pick) in picks.iter().enumerate() {
+                let part = self.element_of(&whole, Index::Fixed(pick.into()))?;
+                let component = self.select(value, &[i as u8])?;
+                self.store(&part, &component)?;
+            }
+            return Ok(());
+        }
+        match &place.mem {
+            Mem::Own(pointer) => {
+                self.statement(Statement::Store { pointer: *pointer, value: value.expr });
+                Ok(())
+            }
+            Mem::Host(at, host) => self.store_host(at, host, value.expr),
+            Mem::Column(at, host, column) => {
+                let (_, rows) = stored_vector(&host.ty, true);
+                for row in 0..rows {
+                    let mem = Mem::Column(at.clone(), host.clone(), *column);
+                    let column = Place::new(mem, place.ty.clone());
+                    let part = self.element_of(&column, Index::Fixed(row.into()))?;
+                    let component = self.select(value, &[row])?;
+                    self.store(&part, &component)?;
+                }
+                Ok(())
+            }
+            Mem::Nothing => self.refuse(format!("a `{}` cannot be written", place.ty)),
+        }
+    }
+
+    fn store_host(&mut self, at: &Address, host: &Rc<Host>, value: Handle<Expression>) -> R<()> {
+        if let (Address::Pointer(pointer), Some(naga)) = (at, host.naga) {
+            let runtime = matches!(host.ty, Ty::Array(_, None));
+            if !runtime && self.cx.carrier(&host.ty, self.span)? == naga {
+                self.statement(Statement::Store { pointer: *pointer, value });
+                return Ok(());
+            }
+        }
+        match &host.kind {
+            HostKind::Leaf | HostKind::Atomic => self.store_leaf(at, &host.ty, value),
+            HostKind::Matrix { stride, row_major, plain } => {
+                if let (Address::Pointer(pointer), true) = (at, plain) {
+                    self.statement(Statement::Store { pointer: *pointer, value });
+                    return Ok(());
+                }
+                let vectors = if *row_major { self.transpose(value) } else { value };
+                let (vector, count) = stored_vector(&host.ty, *row_major);
+                for i in 0..u32::from(count) {
+                    let at = self.step(at, Index::Fixed(i), *stride);
+                    let part = self.part(vectors, i);
+                    self.store_leaf(&at, &vector, part)?;
+                }
+                Ok(())
+            }
+            HostKind::Array { element, stride, len } => {
+                let Some(len) = *len else {
+                    return self.refuse("a runtime-sized array cannot be written as a whole");
+                };
+                if len > LONGEST_UNROLLED {
+                    let from = self.spill(&Val { expr: value, ty: host.ty.clone() })?;
+                    let count = self.u32(len);
+                    return self.repeat(count, |this, index| {
+                        let from = this.element_of(&from, Index::Dynamic(index))?;
+                        let value = this.load(&from)?;
+                        let at = this.step(at, Index::Dynamic(index), *stride);
+                        this.store_host(&at, element, value.expr)
+                    });
+                }
+                for i in 0..len {
+                    let at = self.step(at, Index::Fixed(i), *stride);
+                    let part = self.part(value, i);
+                    self.store_host(&at, element, part)?;
+                }
+                Ok(())
+            }
+            HostKind::Struct(members) => {
+                let Ty::Struct(structure) = &host.ty else {
+                    return self.refuse("a block holds no structure here");
+                };
+                for (i, field) in carried(structure).enumerate() {
+                    let Some(member) = members.iter().find(|m| m.name == field.name) else {
+                        return self.refuse(format!("`{}` has no place in its block", field.name));
+                    };
+                    let at = match at {
+                        Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
+                        words @ Address::Words { .. } => words.further(member.offset),
+                    };
+                    let part = self.part(value, i as u32);
+                    self.store_host(&at, &member.host, part)?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn store_leaf(&mut self, at: &Address, ty: &Ty, value: Handle<Expression>) -> R<()> {
+        let Some((kind, size)) = ty.components() else {
+            let Address::Pointer(pointer) = at else {
+                return self.refuse(format!("a `{ty}` is no word"));
+            };
+            self.statement(Statement::Store { pointer: *pointer, value });
+            return Ok(());
+        };
+        let mut value = value;
+        if kind == Kind::Bool {
+            let (one, zero) = (self.number(Kind::Uint, 1.0), self.number(Kind::Uint, 0.0));
+            let (one, zero) = (self.splat(&one, size)?, self.splat(&zero, size)?);
+            value = self.add(Expression::Select {
+                condition: value,
+                accept: one.expr,
+                reject: zero.expr,
+            });
+        }
+        match at {
+            Address::Pointer(pointer) => {
+                self.statement(Statement::Store { pointer: *pointer, value });
+            }
+            Address::Words { .. } => {
+                if !matches!(kind, Kind::Bool | Kind::Uint) {
+                    let kind = naga::ScalarKind::Uint;
+                    value = self.add(Expression::As { expr: value, kind, convert: None });
+                }
+                for i in 0..size {
+                    let word = if size == 1 { value } else { self.part(value, i.into()) };
+                    let pointer = self.word(&at.further(4 * u32::from(i)));
+                    self.statement(Statement::Store { pointer, value: word });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The number of elements behind a place of a runtime-sized array, as `int`.
+    pub fn runtime_length(&mut self, place: &Place) -> R<Val> {
+        let Mem::Host(at, host) = &place.mem else {
+            return self.refuse("the length of this array is not known");
+        };
+        let HostKind::Array { stride, .. } = host.kind else {
+            return self.refuse("the length of this array is not known");
+        };
+        let length = match at {
+            Address::Pointer(pointer) => self.add(Expression::ArrayLength(*pointer)),
+            Address::Words { block, fixed, .. } => {
+                let array = self.part(*block, 0);
+                let words = self.add(Expression::ArrayLength(array));
+                let (four, start, stride) = (self.u32(4), self.u32(*fixed), self.u32(stride));
+                let bytes = self.binary(BinaryOperator::Multiply, words, four);
+                let bytes = self.binary(BinaryOperator::Subtract, bytes, start);
+                self.binary(BinaryOperator::Divide, bytes, stride)
+            }
+        };
+        let kind = naga::ScalarKind::Sint;
+        let expr = self.add(Expression::As { expr: length, kind, convert: Some(4) });
+        Ok(Val { expr, ty: Ty::INT })
+    }
+}
+
+impl Ty {
+    /// How a structure is called in messages.
+    pub fn name_of(structure: &Structure) -> &str {
+        if structure.name.is_empty() { "struct" } else { &structure.name }
+    }
+}

@@ -1,0 +1,68 @@
+//! Whether a shader may read and write a storage block: what its qualifiers say.
+//!
+//! Layouts do not depend on it, so the text is asked: what stands between the end of the
+//! declaration before and the block's name, and inside its braces.
+
+use crate::layout::BlockLayout;
+use crate::run::probe::plan::Access;
+use crate::shape::AddressSpace;
+use crate::source::{Files, Language};
+
+/// What may be done to a block's members.
+pub(super) fn of(block: &BlockLayout, files: &Files, language: Language) -> Access {
+    if block.space != AddressSpace::Storage {
+        return Access { read: true, write: false };
+    }
+    let Some(file) = files.get(block.span.file) else {
+        return Access { read: true, write: false };
+    };
+    let text = without_comments(&file.text);
+    let at = (block.span.start as usize).min(text.len());
+    let before = &text[..at];
+    match language {
+        Language::Glsl => {
+            let start = before.rfind([';', '}']).map_or(0, |end| end + 1);
+            let inside = text[at..].split('}').next().unwrap_or("");
+            let says = |word: &str| has_word(&before[start..], word) || has_word(inside, word);
+            Access { read: !says("writeonly"), write: !says("readonly") }
+        }
+        Language::Wgsl => {
+            let instance = block.instance.as_deref().unwrap_or(&block.name);
+            let declared = text.split("var<").skip(1).find(|rest| {
+                let name = rest.split_once('>').map_or("", |(_, name)| name.trim_start());
+                name.strip_prefix(instance)
+                    .is_some_and(|rest| rest.trim_start().starts_with([':', '=']))
+            });
+            let access = declared.and_then(|rest| rest.split('>').next()).unwrap_or("");
+            Access { read: true, write: has_word(access, "read_write") }
+        }
+    }
+}
+
+fn has_word(text: &str, word: &str) -> bool {
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|other| other == word)
+}
+
+/// The text with spaces for its comments; as many bytes as before.
+fn without_comments(text: &str) -> String {
+    let bytes = text.as_bytes();
+    let mut result = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        let end = match &bytes[at..] {
+            [b'/', b'/', ..] => memchr::memchr(b'\n', &bytes[at..]).map(|end| at + end),
+            [b'/', b'*', ..] => {
+                memchr::memmem::find(&bytes[at + 2..], b"*/").map(|end| at + end + 4)
+            }
+            _ => {
+                result.push(bytes[at]);
+                at += 1;
+                continue;
+            }
+        }
+        .unwrap_or(bytes.len());
+        result.resize(end, b' ');
+        at = end;
+    }
+    String::from_utf8(result).expect("whole comments were replaced by spaces")
+}

@@ -1,0 +1,483 @@
+//! Uploads a buffer in which every word is another, lets the shader read it, and says
+//! for each leaf which byte was read.
+//!
+//! Takes the layout of a shader, makes [`probe`](super::probe)s of its text, has a
+//! [`Reader`] run them, and gives a [`ShaderReport`].
+
+mod access;
+mod code;
+mod partner;
+pub mod report;
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use crate::buffer::Buffer;
+use crate::layout::BlockLayout;
+use crate::run::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
+use crate::run::probe::{Got, Sighting, cause, judge, words};
+use crate::run::reader::{Failure, FailureKind, Grid, Job, Reader, Resource, ResourceKind, Texel};
+use crate::shape::{AddressSpace, ArrayLen, ScalarKind};
+use crate::source::{Source, Stage};
+use crate::{Diagnostic, Options, ShaderLayout, layout};
+use code::{Code, Need};
+pub use report::{
+    BlockReport, Cause, ElementReport, Form, Outcome, ReaderReport, ShaderReport, Unprobed,
+};
+
+/// Buffers of one dimension of an array of blocks that are bound at most.
+const MOST_BUFFERS: u32 = 64;
+
+/// How a shader is verified.
+#[derive(Clone, Debug)]
+pub struct VerifyOptions {
+    /// How it is read and laid out; loose uniforms are gathered.
+    pub layout: Options,
+    /// The layout that is to be proven, where it is not the computed one: blocks by name.
+    pub given: Option<Vec<BlockLayout>>,
+    /// The stages that read; a shader's own where there are none.
+    pub stages: Vec<Stage>,
+    /// Run the module that naga's own front end makes, not ours.
+    pub naga: bool,
+    /// Only the block of that name, by its own or its instance's.
+    pub block: Option<String>,
+    /// A reader that is not done with one probe by then has failed.
+    pub limit: Duration,
+}
+
+impl Default for VerifyOptions {
+    fn default() -> VerifyOptions {
+        VerifyOptions {
+            layout: Options::default(),
+            given: None,
+            stages: Vec::new(),
+            naga: false,
+            block: None,
+            limit: Duration::from_secs(20),
+        }
+    }
+}
+
+/// A shader as [`verify`] takes it: its text and its layout.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    source: Source,
+    shader: ShaderLayout,
+}
+
+impl Subject {
+    /// Lays a shader out, its loose uniforms gathered.
+    ///
+    /// # Errors
+    /// What makes it impossible to lay out; the layout is there for its files.
+    pub fn new(
+        source: &Source,
+        options: &VerifyOptions,
+    ) -> Result<Subject, (ShaderLayout, Vec<Diagnostic>)> {
+        let options = Options { gather: true, naga: true, ..options.layout.clone() };
+        let shader = layout(source, &options);
+        if shader.has_errors() {
+            let found = shader.diagnostics.clone();
+            return Err((shader, found));
+        }
+        Ok(Subject { source: source.clone(), shader })
+    }
+
+    /// Its layout.
+    pub fn layout(&self) -> &ShaderLayout {
+        &self.shader
+    }
+}
+
+/// Has every reader read every block of a shader.
+pub fn verify(
+    subject: &Subject,
+    options: &VerifyOptions,
+    readers: &mut [Box<dyn Reader>],
+) -> ShaderReport {
+    let Subject { source, shader } = subject;
+    let blocks = shader.blocks.iter().filter(|block| {
+        let named = |name: &str| *block.name == *name || block.instance.as_deref() == Some(name);
+        block.size.is_some() && options.block.as_deref().is_none_or(named)
+    });
+    let blocks = blocks.map(|block| {
+        let expected = match &options.given {
+            None => Some(block),
+            Some(given) => given.iter().find(|other| other.name == block.name),
+        };
+        let access = access::of(block, &shader.files, source.language);
+        let is_given = expected.is_some();
+        let expected = expected.unwrap_or(block);
+        let blocks = &shader.blocks;
+        Verifier { source, options, blocks, block, expected, access }.block(readers, is_given)
+    });
+    ShaderReport {
+        path: shader.path.clone(),
+        language: shader.language.name(),
+        blocks: blocks.collect(),
+    }
+}
+
+/// One block and what is to be proven of it.
+struct Verifier<'a> {
+    source: &'a Source,
+    options: &'a VerifyOptions,
+    blocks: &'a [BlockLayout],
+    block: &'a BlockLayout,
+    expected: &'a BlockLayout,
+    access: Access,
+}
+
+impl Verifier<'_> {
+    fn block(&self, readers: &mut [Box<dyn Reader>], is_given: bool) -> BlockReport {
+        let plans = plans(self.block, self.expected, self.access);
+        let buffer = self.buffer();
+        let refusal = self.refusal(is_given, &buffer);
+        let own = [self.source.stage.unwrap_or(Stage::Fragment)];
+        let stages: &[Stage] =
+            if self.options.stages.is_empty() { &own } else { &self.options.stages };
+        let mut reports = Vec::new();
+        for reader in readers {
+            for &stage in stages {
+                reports.push(match (&refusal, &buffer) {
+                    (None, Ok(buffer)) => self.reader(reader.as_mut(), stage, &plans, *buffer),
+                    (Some(reason), _) => skipped(reader.as_ref(), stage, reason),
+                    (None, Err(reason)) => skipped(reader.as_ref(), stage, reason),
+                });
+            }
+        }
+        let unprobed = plans.unprobed.into_iter();
+        BlockReport {
+            name: self.block.name.to_string(),
+            instance: self.block.instance.as_ref().map(ToString::to_string),
+            rules: self.block.rules.name(),
+            buffer: buffer.unwrap_or(0),
+            leaves: self.block.leaves.len(),
+            readers: reports,
+            unprobed: unprobed.map(|it| Unprobed { path: it.path, reason: it.reason }).collect(),
+        }
+    }
+
+    /// Bytes of a buffer that holds either layout, a runtime-sized tail of [`TAIL`] elements.
+    fn buffer(&self) -> Result<u64, String> {
+        let (own, expected) = (bytes(self.block)?, bytes(self.expected)?);
+        Ok(own.max(expected).next_multiple_of(4))
+    }
+
+    /// The other blocks, filled with zeros: OpenGL wants every block bound that it counts as
+    /// active, and it counts those of a dead `main`.
+    fn others(&self) -> Vec<Resource> {
+        let resource = |(block, element): (&BlockLayout, Vec<u32>)| {
+            let bytes = vec![0; bytes(block).ok()?.next_multiple_of(4) as usize];
+            let kind = match block.space {
+                AddressSpace::Uniform => ResourceKind::Uniform(bytes),
+                AddressSpace::Storage => ResourceKind::Storage { bytes, writable: true },
+                AddressSpace::PushConstant
+                | AddressSpace::BufferReference
+                | AddressSpace::ShaderRecord
+                | AddressSpace::Default => return None,
+            };
+            let name = code::gl_name(&block.name, &element);
+            Some(Resource { name, group: 0, binding: 0, kind })
+        };
+        self.blocks
+            .iter()
+            .flat_map(|block| every(&block.count).into_iter().map(move |at| (block, at)))
+            .filter_map(resource)
+            .collect()
+    }
+
+    /// Why no reader can probe the block, if so.
+    fn refusal(&self, is_given: bool, buffer: &Result<u64, String>) -> Option<String> {
+        if !is_given {
+            return Some(format!("the given layout has no block `{}`", self.block.name));
+        }
+        if !self.access.read && !self.access.write {
+            return Some("it may be neither read nor written".to_string());
+        }
+        match self.block.space {
+            AddressSpace::BufferReference => {
+                return Some("a buffer reference is read through an address".to_string());
+            }
+            AddressSpace::ShaderRecord => {
+                return Some("shader records belong to ray tracing pipelines".to_string());
+            }
+            AddressSpace::Uniform
+            | AddressSpace::Storage
+            | AddressSpace::PushConstant
+            | AddressSpace::Default => {}
+        }
+        let unknown = |len: &ArrayLen| !matches!(len, ArrayLen::Fixed(_));
+        if self.block.count.iter().any(unknown) {
+            return Some("the number of its buffers is not known".to_string());
+        }
+        buffer.as_ref().err().cloned()
+    }
+
+    fn reader(
+        &self,
+        reader: &mut dyn Reader,
+        stage: Stage,
+        plans: &Plans,
+        buffer: u64,
+    ) -> ReaderReport {
+        let name = reader.device().reader;
+        let mut report = ReaderReport {
+            reader: name,
+            stage: stage.name(),
+            form: code::form(name, self.source, self.block, self.options.naga),
+            outcome: Outcome::Confirmed,
+            reason: None,
+            log: String::new(),
+            reads: Vec::new(),
+            causes: Vec::new(),
+        };
+        if let Some(reason) = code::not_for(name, self.source, self.block, stage) {
+            report.outcome = Outcome::Skipped;
+            report.reason = Some(reason);
+            return report;
+        }
+        let mut sightings = Vec::new();
+        for element in elements(&self.block.count) {
+            for plan in plans.reads.iter().chain(&plans.writes) {
+                match self.run(reader, stage, &element, plan, buffer) {
+                    Ok(seen) => sightings.extend(seen),
+                    Err(failure) => {
+                        report.outcome = Outcome::Failed;
+                        report.reason = Some(failure.message);
+                        report.log = failure.log;
+                        return report;
+                    }
+                }
+            }
+        }
+        self.judge(&sightings, &mut report);
+        report
+    }
+
+    /// Runs a plan on one buffer of the block: once over sentinels, and for bools once a bit.
+    fn run(
+        &self,
+        reader: &mut dyn Reader,
+        stage: Stage,
+        element: &[u32],
+        plan: &Plan,
+        buffer: u64,
+    ) -> Result<Vec<Sighting>, Failure> {
+        let need = Need {
+            reader: reader.device().reader,
+            source: self.source,
+            block: self.block,
+            element,
+            plan,
+            stage,
+            access: self.access,
+            options: self.options,
+        };
+        let code = code::code(&need)?;
+        let writes = plan.reads.iter().any(|read| read.way == crate::run::probe::Way::Written);
+        let mut ask = |bytes: Vec<u8>| self.ask(reader, &code, stage, plan, bytes);
+        let answer = ask(words::buffer(buffer))?;
+        if writes {
+            return Ok(judge::written(plan, &answer.block));
+        }
+        let mut passes = Vec::new();
+        if plan.reads.iter().any(|read| read.scalar.kind == ScalarKind::Bool) {
+            for bit in 0..words::passes(buffer) {
+                passes.push(ask(words::pass(buffer, bit))?.words);
+            }
+        }
+        Ok(judge::read(plan, buffer, &answer.words, &passes))
+    }
+
+    fn ask(
+        &self,
+        reader: &mut dyn Reader,
+        code: &Code,
+        stage: Stage,
+        plan: &Plan,
+        bytes: Vec<u8>,
+    ) -> Result<Words, Failure> {
+        let writable = code.writable;
+        let kind = match self.block.space {
+            AddressSpace::Storage => ResourceKind::Storage { bytes, writable },
+            AddressSpace::PushConstant => ResourceKind::PushConstant(bytes),
+            AddressSpace::Uniform
+            | AddressSpace::Default
+            | AddressSpace::BufferReference
+            | AddressSpace::ShaderRecord => ResourceKind::Uniform(bytes),
+        };
+        let mut results = Vec::with_capacity(plan.words as usize * 4);
+        for index in &plan.indices {
+            results.extend_from_slice(&index.to_le_bytes());
+        }
+        results.resize(plan.words as usize * 4, 0);
+        let bound = |bound: &code::Bound, kind| Resource {
+            name: bound.name.clone(),
+            group: bound.group,
+            binding: bound.binding,
+            kind,
+        };
+        let results = ResourceKind::Storage { bytes: results, writable: true };
+        let mut resources = vec![bound(&code.block, kind), bound(&code.results, results)];
+        if code.stages[0].module.is_none() {
+            let others = self.others().into_iter();
+            resources.extend(others.filter(|other| other.name != code.block.name));
+        }
+        let job = Job {
+            stages: code.stages.clone(),
+            resources,
+            grid: match stage {
+                Stage::Vertex => Grid::Points { count: 1, texel: Texel::Uint },
+                Stage::Fragment => Grid::Image { width: 1, height: 1, texel: Texel::Uint },
+                Stage::Compute
+                | Stage::TessellationControl
+                | Stage::TessellationEvaluation
+                | Stage::Geometry
+                | Stage::Task
+                | Stage::Mesh
+                | Stage::RayGeneration
+                | Stage::Intersection
+                | Stage::AnyHit
+                | Stage::ClosestHit
+                | Stage::Miss
+                | Stage::Callable => Grid::Groups([1, 1, 1]),
+            },
+            limit: self.options.limit,
+        };
+        let mut answer = reader.run(&job)?;
+        let mut buffers = answer.buffers.drain(..);
+        let (block, results) = (buffers.next().flatten(), buffers.next().flatten());
+        let Some(results) = results else {
+            return Err(Failure {
+                kind: FailureKind::Died,
+                message: "the results did not come back".to_string(),
+                log: String::new(),
+            });
+        };
+        let words = results.chunks_exact(4);
+        let words = words.map(|b| u32::from_le_bytes(b.try_into().expect("chunks of four")));
+        Ok(Words { words: words.collect(), block: block.unwrap_or_default() })
+    }
+
+    /// Turns what was seen into the report, with a cause for each leaf that was read elsewhere.
+    fn judge(&self, sightings: &[Sighting], report: &mut ReaderReport) {
+        let mut wrong: BTreeMap<usize, Vec<&Sighting>> = BTreeMap::new();
+        for sighting in sightings {
+            report.reads.push(element_report(self.block, sighting));
+            if !sighting.lands() {
+                wrong.entry(sighting.read.leaf).or_default();
+            }
+        }
+        if wrong.is_empty() {
+            return;
+        }
+        report.outcome = Outcome::Disagrees;
+        for sighting in sightings {
+            if let Some(seen) = wrong.get_mut(&sighting.read.leaf) {
+                seen.push(sighting);
+            }
+        }
+        for (leaf, seen) in wrong {
+            let path = &self.block.leaves[leaf].path;
+            let expected = self.expected.leaves.iter().find(|leaf| leaf.path == *path);
+            let cause = expected.and_then(|leaf| cause::cause(self.block, leaf, &seen));
+            if let Some(cause) = cause {
+                report.causes.push(Cause { leaf: path.clone(), cause });
+            }
+        }
+    }
+}
+
+/// What came back of a run.
+struct Words {
+    words: Vec<u32>,
+    /// The block's own buffer, where it was written.
+    block: Vec<u8>,
+}
+
+/// Bytes of a buffer for a block, a runtime-sized tail of [`TAIL`] elements.
+fn bytes(block: &BlockLayout) -> Result<u64, String> {
+    if block.size.is_some_and(|size| size > LARGEST_BUFFER) {
+        let size = block.size.unwrap_or(0);
+        return Err(format!("it has {size} bytes, probes fill {LARGEST_BUFFER} at most"));
+    }
+    let has_tail = block.members.iter().any(|member| member.dims.contains(&ArrayLen::Runtime));
+    let buffer = match has_tail {
+        true => Buffer::with_tail(block, TAIL as usize),
+        false => Buffer::new(block),
+    };
+    buffer.map(|buffer| buffer.bytes().len() as u64).map_err(|error| error.to_string())
+}
+
+fn skipped(reader: &dyn Reader, stage: Stage, reason: &str) -> ReaderReport {
+    ReaderReport {
+        reader: reader.device().reader,
+        stage: stage.name(),
+        form: Form::Original,
+        outcome: Outcome::Skipped,
+        reason: Some(reason.to_string()),
+        log: String::new(),
+        reads: Vec::new(),
+        causes: Vec::new(),
+    }
+}
+
+/// The buffers of an array of blocks that are probed: first and last of each dimension.
+fn elements(count: &[ArrayLen]) -> Vec<Vec<u32>> {
+    combined(count, |length| {
+        let mut ends = vec![0, length.saturating_sub(1)];
+        ends.dedup();
+        ends
+    })
+}
+
+/// Every buffer of an array of blocks.
+fn every(count: &[ArrayLen]) -> Vec<Vec<u32>> {
+    combined(count, |length| (0..length.min(MOST_BUFFERS)).collect())
+}
+
+fn combined(count: &[ArrayLen], chosen: impl Fn(u32) -> Vec<u32>) -> Vec<Vec<u32>> {
+    let mut all = vec![Vec::new()];
+    for len in count {
+        let ArrayLen::Fixed(length) = len else { continue };
+        let chosen = chosen(*length);
+        all = all
+            .iter()
+            .flat_map(|start: &Vec<u32>| {
+                chosen.iter().map(|at| [start.as_slice(), &[*at]].concat())
+            })
+            .collect();
+    }
+    all
+}
+
+fn element_report(block: &BlockLayout, sighting: &Sighting) -> ElementReport {
+    let read = &sighting.read;
+    let leaf = &block.leaves[read.leaf].path;
+    let mut path = String::new();
+    let mut indices = read.element.iter();
+    for (nth, part) in leaf.split("[]").enumerate() {
+        if nth > 0 {
+            path.push_str(&format!("[{}]", indices.next().copied().unwrap_or(0)));
+        }
+        path.push_str(part);
+    }
+    if let Some(column) = read.column {
+        path.push_str(&format!("[{column}]"));
+    }
+    if let Some(row) = read.row {
+        path.push('.');
+        path.push_str(["x", "y", "z", "w"][usize::from(row)]);
+    }
+    ElementReport {
+        path,
+        leaf: leaf.clone(),
+        way: read.way.name(),
+        expected_byte: read.byte,
+        byte_read: match sighting.got {
+            Got::Byte(byte) => Some(byte),
+            Got::Other(_) => None,
+        },
+    }
+}
