@@ -45,11 +45,11 @@ pub const DIAGNOSTIC_SCHEMA: &str = include_str!("schema/diagnostic.json");
 /// JSON Schema (draft 2020-12) of the JSON output of `explain`.
 pub const EXPLAIN_SCHEMA: &str = include_str!("schema/explain.json");
 
-/// JSON Schema (draft 2020-12) of the JSON output of `devices`.
-pub const DEVICES_SCHEMA: &str = include_str!("schema/devices.json");
-
 /// JSON Schema (draft 2020-12) of the JSON report of `check`.
 pub const CHECK_SCHEMA: &str = include_str!("schema/check.json");
+
+/// JSON Schema (draft 2020-12) of the JSON output of `devices`.
+pub const DEVICES_SCHEMA: &str = include_str!("schema/devices.json");
 
 /// A form layouts are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

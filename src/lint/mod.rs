@@ -12,23 +12,26 @@ mod block_mismatch;
 mod bool_in_block;
 mod buffer_too_small;
 mod define_changes_layout;
-mod driver_disagrees;
+pub mod driver_disagrees;
+mod glob;
 mod layout_drift;
 mod lock_missing;
 mod lock_orphan;
 mod mat3_padding;
-mod naga_disagrees;
+pub mod naga_disagrees;
 mod over_limit;
 mod push_constant_limit;
 mod reorder_saves;
 mod rules_undeclared;
 #[cfg(feature = "cli")]
-mod rust_mirror;
+pub mod rust_mirror;
 mod scalar_after_vec3;
+mod show;
 mod stale_comment;
 mod unused_block;
 mod unused_member;
 mod vec3_array;
+mod walk;
 mod webgl2_size;
 
 use crate::source::Source;
@@ -54,6 +57,18 @@ pub struct Lint {
     pub fix: &'static str,
     /// How it is found.
     pub check: Check,
+}
+
+impl Lint {
+    /// The level it has under those settings while nobody sets one by name.
+    pub fn level_under(&self, settings: &Settings) -> Level {
+        // What wgpu reads wrong is certain to be wrong for who runs on it.
+        if self.code == naga_disagrees::CODE && settings.targets.contains(&settings::Target::WebGpu)
+        {
+            return Level::Deny;
+        }
+        self.level
+    }
 }
 
 /// How the findings of a lint are found.
@@ -97,6 +112,8 @@ pub const LINTS: &[&Lint] = &[
     &rules_undeclared::LINT,
     #[cfg(feature = "cli")]
     &rust_mirror::LINT,
+    #[cfg(feature = "cli")]
+    &rust_mirror::UNKNOWN,
     &scalar_after_vec3::LINT,
     &stale_comment::LINT,
     &unused_block::LINT,

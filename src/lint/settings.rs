@@ -2,6 +2,8 @@
 //!
 //! Plain data; the command reads it from `landfall.toml` and its flags.
 
+use std::sync::Arc;
+
 use super::finding::{Level, Place};
 
 /// What lints are told.
@@ -19,6 +21,8 @@ pub struct Settings {
     pub tables: Vec<Table>,
     /// Hand-written mirrors in Rust files.
     pub rust_mirrors: Vec<RustMirror>,
+    /// The Rust files those name, and others whose comments may name mirrors.
+    pub rust_files: Vec<RustFile>,
 }
 
 /// An API whose guaranteed limits a shader has to keep.
@@ -112,6 +116,15 @@ pub struct Row {
     pub path: String,
     /// Bytes from the start of the block.
     pub offset: Figure,
+}
+
+/// A Rust file in which there are mirrors, or may be.
+#[derive(Clone, Debug)]
+pub struct RustFile {
+    /// The path as messages print it, `/` between its parts.
+    pub path: String,
+    /// Its text.
+    pub text: Arc<str>,
 }
 
 /// A hand-written mirror.

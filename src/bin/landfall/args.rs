@@ -255,10 +255,10 @@ pub enum Schema {
     Layout,
     /// explain --format json
     Explain,
-    /// devices --format json
-    Devices,
     /// check --format json
     Check,
+    /// devices --format json
+    Devices,
     /// Findings on stderr with --format json, one a line
     Diagnostic,
 }

@@ -9,8 +9,8 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
     streams.product(match args.of {
         Schema::Layout => emit::LAYOUT_SCHEMA,
         Schema::Explain => emit::EXPLAIN_SCHEMA,
-        Schema::Devices => emit::DEVICES_SCHEMA,
         Schema::Check => emit::CHECK_SCHEMA,
+        Schema::Devices => emit::DEVICES_SCHEMA,
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
     })?;
     Ok(Outcome::Clean)

@@ -13,7 +13,7 @@ use super::ast::Qualifiers;
 use super::body::{Body, Val};
 use super::place::{Index, Mem, Place};
 use super::types::{Kind, Ty};
-use super::{Lowerer, R, refuse};
+use super::{Lowerer, R, reach, refuse};
 use crate::parse::glsl::lexer::Token;
 use crate::run::module::EntryInterface;
 use crate::source::{Span, Stage};
@@ -162,9 +162,18 @@ impl Lowerer<'_> {
             // naga wants it whether the shader writes it or not.
             self.predeclared("gl_Position", Span::default())?;
         }
-        let inputs = self.slots(false)?;
-        let outputs = self.slots(true)?;
+        let (mut inputs, mut outputs) = (self.slots(false)?, self.slots(true)?);
         let initialisers = std::mem::take(&mut self.initialisers);
+        if initialisers.is_empty() {
+            let reached = reach::variables(&self.ir, main);
+            let position =
+                |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
+            inputs.retain(|slot| reached.contains(&self.io[slot.io].variable));
+            outputs.retain(|slot| {
+                let io = &self.io[slot.io];
+                reached.contains(&io.variable) || position(io)
+            });
+        }
         let workgroup_size = match stage {
             ShaderStage::Compute => self.workgroup_size,
             _ => [0; 3],

@@ -24,6 +24,7 @@ mod operators;
 mod parse;
 mod place;
 mod predeclared;
+mod reach;
 mod statement;
 mod texture;
 mod types;

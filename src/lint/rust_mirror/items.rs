@@ -1,0 +1,79 @@
+//! Rust tokens as items: where one ends, what it is, and whether it can be parsed
+//! without exhausting the stack.
+//!
+//! Feeds [`file`](super::file).
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
+/// Groups in a declaration that is parsed nest at most this deep: parsing recurses on them.
+const DEEPEST_GROUPS: usize = 32;
+
+/// Tokens between two separators of such a declaration: prefixes and operators recurse too.
+const LONGEST_RUN: usize = 200;
+
+/// Whether an item ends with that token.
+pub(super) fn ends_item(item: &[TokenTree], token: &TokenTree) -> bool {
+    match token {
+        TokenTree::Punct(punct) => punct.as_char() == ';',
+        TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => {
+            // `use a::{b};` and `const X: T = { … };` go on to their semicolon.
+            let word = keyword(item).map(|at| item[at].to_string());
+            !matches!(word.as_deref(), Some("use" | "const" | "static" | "type"))
+                || item.iter().any(|t| matches!(t, TokenTree::Ident(word) if word == "fn"))
+        }
+        TokenTree::Group(_) | TokenTree::Ident(_) | TokenTree::Literal(_) => false,
+    }
+}
+
+/// Where the word stands that says what an item is: after attributes and visibility.
+pub(super) fn keyword(item: &[TokenTree]) -> Option<usize> {
+    let mut at = 0;
+    loop {
+        match item.get(at)? {
+            TokenTree::Punct(punct) if punct.as_char() == '#' => {
+                at += 1;
+                if matches!(item.get(at)?, TokenTree::Punct(p) if p.as_char() == '!') {
+                    at += 1;
+                }
+                at += 1;
+            }
+            TokenTree::Ident(word) if word == "pub" => {
+                at += 1;
+                if matches!(item.get(at)?, TokenTree::Group(g) if g.delimiter() == Delimiter::Parenthesis)
+                {
+                    at += 1;
+                }
+            }
+            TokenTree::Ident(_) => return Some(at),
+            TokenTree::Group(_) | TokenTree::Punct(_) | TokenTree::Literal(_) => return None,
+        }
+    }
+}
+
+pub(super) fn parse<T: syn::parse::Parse>(item: &[TokenTree]) -> syn::Result<T> {
+    syn::parse2(item.iter().cloned().collect())
+}
+
+/// Whether a parser that recurses can be trusted with it.
+pub(super) fn bounded(tokens: &[TokenTree]) -> bool {
+    let mut waiting: Vec<(TokenStream, usize)> = vec![(tokens.iter().cloned().collect(), 0)];
+    while let Some((tokens, depth)) = waiting.pop() {
+        if depth > DEEPEST_GROUPS {
+            return false;
+        }
+        let mut run = 0;
+        for token in tokens {
+            run += 1;
+            match token {
+                TokenTree::Group(group) => waiting.push((group.stream(), depth + 1)),
+                // A separator, or the next attribute: a comment of documentation is one a line.
+                TokenTree::Punct(punct) if matches!(punct.as_char(), ',' | ';' | '#') => run = 0,
+                TokenTree::Punct(_) | TokenTree::Ident(_) | TokenTree::Literal(_) => {}
+            }
+            if run > LONGEST_RUN {
+                return false;
+            }
+        }
+    }
+    true
+}

@@ -1,0 +1,335 @@
+//! What a comment says in numbers: offsets, alignments, sizes, strides, totals.
+//!
+//! Reads text only and errs towards silence: a number is a claim if the words around it leave no
+//! other reading. Feeds [`judge`](super::judge) and [`columns`](super::columns).
+
+use std::ops::Range;
+
+use super::words::{Sign, Word, tokens};
+
+/// What a number is said to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Offset,
+    Align,
+    Size,
+    /// Of elements, of columns, or either.
+    ArrayStride,
+    MatrixStride,
+    Stride,
+    /// Of the structure or block as a whole.
+    Total,
+}
+
+/// A number in a comment.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Number {
+    pub value: u64,
+    /// Bytes of the comment it takes up.
+    pub range: Range<usize>,
+    pub hex: bool,
+}
+
+/// A claim.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Claim {
+    pub kind: Kind,
+    pub number: Number,
+    /// The end of `16 - 28`.
+    pub to: Option<Number>,
+    /// Whether it says that these are bytes.
+    pub unit: bool,
+    /// Whether a word says what the number is, and not its unit alone.
+    pub keyword: bool,
+}
+
+/// Claims of one comment; more is text made to exhaust somebody.
+const MOST_CLAIMS: usize = 32;
+
+/// Words that make a comment speak of something else than the layout at hand.
+const ELSEWHERE: &[&str] = &[
+    "cpu",
+    "host",
+    "hlsl",
+    "msl",
+    "metal",
+    "directx",
+    "d3d",
+    "c",
+    "cpp",
+    "rust",
+    "packed",
+    "tightly",
+    "was",
+    "were",
+    "old",
+    "formerly",
+    "previously",
+    "should",
+    "would",
+    "instead",
+    "not",
+    "if",
+    "when",
+    "原来",
+    "之前",
+    "如果",
+];
+
+/// Words that may stand before a keyword without changing what it is about.
+const NEUTRAL: &[&str] = &[
+    "base",
+    "aligned",
+    "byte",
+    "bytes",
+    "struct",
+    "structure",
+    "block",
+    "at",
+    "starts",
+    "takes",
+    "occupies",
+    "its",
+    "own",
+    "the",
+    "array",
+    "matrix",
+    "gpu",
+    "glsl",
+    "wgsl",
+    "std140",
+    "std430",
+    "scalar",
+    "element",
+    "member",
+    "field",
+    "in",
+    "and",
+    "with",
+    "is",
+    "has",
+    "whole",
+    "占",
+    "占用",
+    "为",
+    "是",
+];
+
+/// The claims of a comment about a thing of that name, laid out by those rules.
+pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
+    if is_code(comment) {
+        return Vec::new();
+    }
+    let tokens = tokens(comment);
+    let text = |word: &Word| comment[word.range.clone()].to_lowercase();
+    let elsewhere = tokens.iter().any(|token| match &token.sign {
+        Sign::Text => {
+            let word = text(token);
+            let other_rules = ["std140", "std430"].contains(&&*word) && word != rules;
+            other_rules || ELSEWHERE.contains(&&*word)
+        }
+        Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
+    });
+    if elsewhere {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    let mut at = 0;
+    // Where the last claim ended: the next may follow it without a sign between.
+    let mut follows = usize::MAX;
+    while at < tokens.len() && found.len() < MOST_CLAIMS {
+        let clause = opens_clause(&tokens, at, follows);
+        let read = match tokens[at].sign {
+            Sign::Keyword(kind) => keyword_claim(&tokens, at, kind),
+            Sign::Number(_) if clause || names_it(&tokens, at, comment, name) => {
+                unit_claim(&tokens, at)
+            }
+            Sign::Number(_) | Sign::Text | Sign::Unit | Sign::Mark(_) | Sign::Odd => None,
+        };
+        let Some((claim, next, separated)) = read.filter(|read| closes(&tokens, read.1)) else {
+            at += 1;
+            continue;
+        };
+        let before = at.checked_sub(1).map(|before| &tokens[before]);
+        let free = before.filter(|word| match word.sign {
+            Sign::Text => {
+                let word = text(word);
+                !NEUTRAL.contains(&&*word) && word != name.to_lowercase()
+            }
+            Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
+        });
+        let anchored = match free {
+            None => clause || before.is_some_and(|word| !matches!(word.sign, Sign::Odd)),
+            // `// 颜色 alignment:16`: what it is, then what it has; `// uv offset: 4` is no claim.
+            Some(word) => {
+                let described = !comment[word.range.clone()].is_ascii();
+                separated && described && !matches!(claim.kind, Kind::Size | Kind::Total)
+            }
+        };
+        if anchored || (free.is_some() && separated && claim.keyword) {
+            found.push((claim, anchored));
+        }
+        at = next;
+        follows = next;
+    }
+    // `// position alignment:16 offset:0`: together they can only be about the layout.
+    let has = |kind| found.iter().any(|(claim, _): &(Claim, bool)| claim.kind == kind);
+    let both = has(Kind::Align) && has(Kind::Offset);
+    found.into_iter().filter(|(_, anchored)| *anchored || both).map(|(claim, _)| claim).collect()
+}
+
+/// `offset: 16`, `alignment 16 bytes`, `size = 12`, `offsets 16-27`, `@ 0x20`.
+fn keyword_claim(tokens: &[Word], at: usize, kind: Kind) -> Option<(Claim, usize, bool)> {
+    let mut next = at + 1;
+    // `offset in bytes: 16`, `alignment (bytes): 16`.
+    let mut unit = false;
+    if is_word(tokens, next, &["in"]) && matches!(tokens.get(next + 1)?.sign, Sign::Unit) {
+        unit = true;
+        next += 2;
+    }
+    let separated = match tokens.get(next)?.sign {
+        Sign::Mark(':' | '=' | '(') => {
+            next += 1;
+            true
+        }
+        Sign::Text if is_word(tokens, next, &["is", "of", "at", "为", "是"]) => {
+            next += 1;
+            false
+        }
+        Sign::Text
+        | Sign::Number(_)
+        | Sign::Keyword(_)
+        | Sign::Unit
+        | Sign::Mark(_)
+        | Sign::Odd => false,
+    };
+    let opened = next > 0 && matches!(tokens[next - 1].sign, Sign::Mark('('));
+    let number = number(tokens, next)?;
+    next += 1;
+    let mut to = None;
+    if kind == Kind::Offset {
+        if let Some((end, after)) = range_end(tokens, next) {
+            to = Some(end);
+            next = after;
+        }
+    }
+    if matches!(tokens.get(next).map(|t| &t.sign), Some(Sign::Unit)) {
+        unit = true;
+        next += 1;
+    }
+    if opened && matches!(tokens.get(next).map(|t| &t.sign), Some(Sign::Mark(')'))) {
+        next += 1;
+    }
+    Some((Claim { kind, number, to, unit, keyword: true }, next, separated))
+}
+
+/// `112 bytes`, `112 字节`, `112 bytes total`; `bytes 16-27` is read as offsets by the keyword.
+fn unit_claim(tokens: &[Word], at: usize) -> Option<(Claim, usize, bool)> {
+    let number = number(tokens, at)?;
+    let Sign::Unit = tokens.get(at + 1)?.sign else { return None };
+    let mut next = at + 2;
+    let mut kind = Kind::Size;
+    if is_word(tokens, next, &["in"]) {
+        next += 1;
+    }
+    match tokens.get(next).map(|token| &token.sign) {
+        Some(Sign::Keyword(Kind::Total)) => {
+            kind = Kind::Total;
+            next += 1;
+        }
+        _ if is_word(tokens, next, &["all"]) => {
+            kind = Kind::Total;
+            next += 1;
+        }
+        _ => {}
+    }
+    Some((Claim { kind, number, to: None, unit: true, keyword: false }, next, true))
+}
+
+/// `- 28`, `..28`, `to 28` behind a number.
+pub(super) fn range_end(tokens: &[Word], at: usize) -> Option<(Number, usize)> {
+    let mut next = at;
+    match tokens.get(next)?.sign {
+        Sign::Mark('-' | '–' | '—' | '~' | '…') => next += 1,
+        Sign::Mark('.') => {
+            while let Some(Sign::Mark('.' | '=' | '<')) = tokens.get(next).map(|t| &t.sign) {
+                next += 1;
+            }
+        }
+        Sign::Text if is_word(tokens, next, &["to", "到", "至"]) => next += 1,
+        Sign::Text
+        | Sign::Number(_)
+        | Sign::Keyword(_)
+        | Sign::Unit
+        | Sign::Mark(_)
+        | Sign::Odd => return None,
+    }
+    Some((number(tokens, next)?, next + 1))
+}
+
+fn number(tokens: &[Word], at: usize) -> Option<Number> {
+    match &tokens.get(at)?.sign {
+        Sign::Number(number) => Some(number.clone()),
+        Sign::Text | Sign::Keyword(_) | Sign::Unit | Sign::Mark(_) | Sign::Odd => None,
+    }
+}
+
+fn is_word(tokens: &[Word], at: usize, words: &[&str]) -> bool {
+    tokens.get(at).is_some_and(|token| words.contains(&&*token.lower))
+}
+
+/// Whether a token starts a clause: first of all, behind a sign that ends one, or behind a claim.
+fn opens_clause(tokens: &[Word], at: usize, follows: usize) -> bool {
+    let Some(before) = at.checked_sub(1).map(|before| &tokens[before]) else { return true };
+    match before.sign {
+        Sign::Mark(mark) => matches!(mark, ',' | ';' | '|' | '(' | '[' | '/' | '\n'),
+        Sign::Text => {
+            at == follows || is_word(tokens, at - 1, &["takes", "occupies", "占", "占用"])
+        }
+        Sign::Number(_) | Sign::Keyword(_) | Sign::Unit | Sign::Odd => at == follows,
+    }
+}
+
+/// `PointLight: 48 bytes`, `PointLight is 48 bytes`, `= 48 bytes`.
+fn names_it(tokens: &[Word], at: usize, comment: &str, name: &str) -> bool {
+    let Some(mut before) = at.checked_sub(1) else { return true };
+    let joined = matches!(tokens[before].sign, Sign::Mark(':' | '='))
+        || is_word(tokens, before, &["is", "为", "是"]);
+    if !joined {
+        return false;
+    }
+    if before == 0 {
+        return true;
+    }
+    before -= 1;
+    before == 0 && &comment[tokens[0].range.clone()] == name
+}
+
+/// Whether a claim may end before that token.
+fn closes(tokens: &[Word], at: usize) -> bool {
+    match tokens.get(at).map(|token| &token.sign) {
+        None | Some(Sign::Keyword(_)) => true,
+        Some(Sign::Mark('.')) => {
+            !matches!(tokens.get(at + 1).map(|t| &t.sign), Some(Sign::Mark('.') | Sign::Number(_)))
+        }
+        // `offset 16 - the colour`, not `offset 16 - 28`.
+        Some(Sign::Mark('-' | '–' | '—')) => {
+            matches!(tokens.get(at + 1).map(|t| &t.sign), None | Some(Sign::Text))
+        }
+        Some(Sign::Mark(mark)) => {
+            matches!(mark, ',' | ';' | ':' | '|' | ')' | '(' | ']' | '/' | '\n')
+        }
+        Some(Sign::Text) => is_word(tokens, at, &["takes", "and"]),
+        Some(Sign::Number(_) | Sign::Unit | Sign::Odd) => false,
+    }
+}
+
+/// Whether a comment is a declaration somebody took out, whose numbers are about something else.
+pub(super) fn is_code(comment: &str) -> bool {
+    let text = comment.trim_end_matches(['*', '/', ' ', '\n', '\t']).trim_end();
+    text.ends_with([';', '{', '}'])
+        || comment.contains("layout")
+        || comment.contains("#define")
+        || comment.contains("@size(")
+        || comment.contains("@align(")
+}

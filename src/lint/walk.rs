@@ -1,0 +1,134 @@
+//! Every member of a shader's blocks with its way down, and the words lints share about it.
+//!
+//! Feeds the lints that look at one member at a time.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashSet;
+
+use super::{Finding, Place, Subject};
+use crate::ShaderLayout;
+use crate::emit::{self, EmitOptions, Format};
+use crate::layout::{BlockLayout, MemberLayout};
+use crate::shape::{ArrayLen, Type};
+use crate::source::{Language, Span};
+
+/// A member, and where on the way down it stands.
+pub(super) struct Visit<'a> {
+    pub block: &'a BlockLayout,
+    /// The structure it is declared in; `None` for a member of the block itself.
+    pub structure: Option<&'a Arc<str>>,
+    /// `lights[].color`, without the dimensions of its own.
+    pub path: String,
+    /// It and its neighbours, and which of them it is.
+    pub siblings: &'a [MemberLayout],
+    pub index: usize,
+}
+
+impl Visit<'_> {
+    pub fn member(&self) -> &MemberLayout {
+        &self.siblings[self.index]
+    }
+
+    /// A name that stays the same wherever the lines move: `Light.color`, `LightBlock.count`.
+    pub fn about(&self) -> String {
+        match self.structure {
+            Some(name) if !name.is_empty() => format!("{name}.{}", self.member().name),
+            Some(_) | None => format!("{}.{}", self.block.name, self.path),
+        }
+    }
+
+    /// A finding of that lint at the member.
+    pub fn finding(&self, subject: &Subject<'_>, code: &str, message: String) -> Finding {
+        let place = Place::of(&subject.shader.files, self.member().span);
+        Finding::new(code, self.about(), place, message)
+    }
+}
+
+/// The members of all blocks that have bytes, each declaration once for every set of rules.
+pub(super) fn members(shader: &ShaderLayout) -> Vec<Visit<'_>> {
+    let mut found = Vec::new();
+    let mut seen = FxHashSet::default();
+    for block in shader.blocks.iter().filter(|block| block.size.is_some()) {
+        descend(block, None, &block.members, "", &mut seen, &mut found);
+    }
+    found
+}
+
+type Seen<'a> = FxHashSet<(Span, &'a str, &'static str, bool)>;
+
+fn descend<'a>(
+    block: &'a BlockLayout,
+    structure: Option<&'a Arc<str>>,
+    siblings: &'a [MemberLayout],
+    parent: &str,
+    seen: &mut Seen<'a>,
+    found: &mut Vec<Visit<'a>>,
+) {
+    for (index, member) in siblings.iter().enumerate() {
+        // A macro may stand for several members: they share one place.
+        if !seen.insert((member.span, &*member.name, block.rules.name(), member.row_major)) {
+            continue;
+        }
+        let path = format!("{parent}{}", member.name);
+        if let Type::Struct(inner) = member.ty.innermost() {
+            let below = format!("{path}{}.", "[]".repeat(member.dims.len()));
+            descend(block, Some(&inner.name), &member.members, &below, seen, found);
+        }
+        found.push(Visit { block, structure, path, siblings, index });
+    }
+}
+
+/// Larger blocks are not listed beside a finding.
+const LONGEST_LISTING: usize = 500;
+
+/// A block's listing, without the line that names the file.
+pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<String> {
+    if block.leaves.len() > LONGEST_LISTING {
+        return None;
+    }
+    let alone = ShaderLayout {
+        path: String::new(),
+        blocks: vec![block.clone()],
+        overrides: Vec::new(),
+        files: crate::Files::default(),
+        diagnostics: Vec::new(),
+        ..*shader
+    };
+    let text = emit::document(&alone, &EmitOptions::new(Format::Listing));
+    text.split_once('\n').map(|(_, rest)| rest.trim().to_string())
+}
+
+/// `vec4 w[16]`, `w: array<vec4<f32>, 16>`.
+pub(super) fn declared(name: &str, ty: &Type, language: Language) -> String {
+    match language {
+        Language::Glsl => {
+            let dims: String = ty
+                .dims()
+                .iter()
+                .map(|len| match len {
+                    ArrayLen::Fixed(n) => format!("[{n}]"),
+                    ArrayLen::Runtime => "[]".to_string(),
+                    ArrayLen::Override(name) => format!("[{name}]"),
+                })
+                .collect();
+            format!("{} {name}{dims}", ty.innermost().spelled(language))
+        }
+        Language::Wgsl => format!("{name}: {}", ty.spelled(language)),
+    }
+}
+
+/// `1 byte`, `16 bytes`.
+pub(super) fn bytes(n: u64) -> String {
+    if n == 1 { "1 byte".to_string() } else { format!("{n} bytes") }
+}
+
+/// The first few of a list, and how many more there are.
+pub(super) fn first_few(names: &[String]) -> String {
+    const SHOWN: usize = 6;
+    let mut text = names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+    if names.len() > SHOWN {
+        text.push_str(&format!(" and {} more", names.len() - SHOWN));
+    }
+    text
+}
