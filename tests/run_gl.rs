@@ -158,7 +158,7 @@ out uvec4 color;
 void main() { color = z; }";
     for round in 0..150u32 {
         let mut copy = copy();
-        copy.resources[0] = uniform("Input", 0, &vec![round; 16]);
+        copy.resources[0] = uniform("Input", 0, &[round; 16]);
         let answer = gl.run(&copy).unwrap();
         let expected =
             [5 + round, 5 + round, 5 + round, 5 + round, 5 + round, 5 + round, 5 + round, 12];

@@ -11,18 +11,18 @@ mod jobs;
 use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use jobs::{bound, bytes, counting, glsl, job, module, output, storage, uniform, words};
-use landfall::Stage;
 use landfall::run::Module;
 use landfall::run::reader::{
     Failure, FailureKind, Grid, Job, Reader as _, ResourceKind, StageCode, Texel,
 };
 use landfall::run::remote::{Behind, Launch, Remote, list};
+use landfall::{Options, Source, Stage};
 
 fn launch(behind: &Behind) -> Launch {
     Launch::new(env!("CARGO_BIN_EXE_landfall"), behind)
@@ -35,7 +35,9 @@ fn open(behind: &Behind) -> Remote {
 const BOTH: [Behind; 2] = [Behind::Gl, Behind::Gpu(None)];
 
 fn wgsl(text: &str) -> Arc<Module> {
-    Arc::new(Module::of_wgsl_as_naga_reads_it(text).unwrap_or_else(|e| panic!("{e}")))
+    let source = Source::new("test.wgsl", text);
+    let module = Module::by_naga(&source, &Options::default());
+    Arc::new(module.unwrap_or_else(|found| panic!("{found:?}")))
 }
 
 /// One stage in the two forms the drivers take.
@@ -263,6 +265,23 @@ fn a_machine_without_egl_says_what_to_install() {
         `libegl1` and `libgl1-mesa-dri` have one in software";
     assert_eq!(failure.message, expected);
     assert!(failure.log.contains("libEGL"), "{failure}");
+}
+
+#[test]
+fn the_process_ends_when_nobody_asks_any_more() {
+    let mut process = Command::new(env!("CARGO_BIN_EXE_landfall"))
+        .args(["reader", "gl"])
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    thread::sleep(Duration::from_millis(50));
+    assert!(process.try_wait().unwrap().is_none(), "it waits for questions");
+    drop(process.stdin.take());
+    let begun = Instant::now();
+    while process.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(20) {
+        thread::sleep(Duration::from_millis(5));
+    }
+    assert!(process.wait().unwrap().success());
 }
 
 fn script(text: &str) -> Launch {

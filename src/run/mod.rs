@@ -2,9 +2,9 @@
 //!
 //! [`module`] makes a shader runnable: naga IR whose offsets, strides and sizes
 //! are ours. [`reader`] says what it is to run one: a job in, words out. The
-//! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`.
+//! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`; `remote`
+//! runs a driver in a process of its own.
 
-mod bare;
 pub mod devices;
 pub mod eval;
 #[cfg(feature = "gl")]

@@ -157,22 +157,6 @@ impl Module {
         })
     }
 
-    /// A module of which nothing is known but its IR.
-    pub(crate) fn bare(ir: naga::Module, info: ModuleInfo) -> Module {
-        Module {
-            ir,
-            info,
-            blocks: Vec::new(),
-            files: Files::default(),
-            bases: Vec::new(),
-            handles: Vec::new(),
-            functions: Vec::new(),
-            inputs: Vec::new(),
-            outputs: Vec::new(),
-            left_out: Vec::new(),
-        }
-    }
-
     /// The module as naga's own front end makes it, its offsets as naga has them: what a program
     /// that hands the text to wgpu gets. For proving naga wrong.
     ///

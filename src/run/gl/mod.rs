@@ -1,6 +1,9 @@
 //! An OpenGL driver without a window: it runs jobs, and says where it put every member
 //! of the blocks of a text as the user wrote it.
 //!
+//! llvmpipe (Mesa 22.3.6) lets an invocation have 65535 turns of all its loops together and
+//! leaves them then, without a word: an answer of longer loops is not the shader's.
+//!
 //! [`Gl`] keeps one context of each kind a text asks for. It calls a driver, which may
 //! crash or hang: [`remote`](crate::run::remote) does the same in a process of its own.
 

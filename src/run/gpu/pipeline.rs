@@ -111,7 +111,12 @@ impl Pipelines {
         }
         let visible = key.stages.iter().fold(ShaderStages::NONE, |all, s| all | visibility(s.0));
         let (groups, layout) = layout(open, &key, visible)?;
-        let kind = open.hear("the pipeline", || Ok(pipeline(open, &key, &stages, &layout)))?;
+        let kind = open.hear("the pipeline", || Ok(pipeline(open, &key, &stages, &layout)));
+        // wgpu tells the place and not the name.
+        let kind = kind.map_err(|failure| match unbound(&key) {
+            Some(message) => Failure { message, ..failure },
+            None => failure,
+        })?;
         let pipeline = Arc::new(Pipeline { groups, kind });
         self.pipelines.insert(key, Arc::clone(&pipeline));
         Ok(pipeline)
@@ -256,6 +261,25 @@ fn visibility(stage: Stage) -> ShaderStages {
         | Stage::Miss
         | Stage::Callable => ShaderStages::NONE,
     }
+}
+
+/// What a module has and the job does not bind.
+fn unbound(key: &Key) -> Option<String> {
+    key.stages.iter().find_map(|(_, _, code)| {
+        let Code::Module(module) = code else { return None };
+        module.ir.global_variables.iter().find_map(|(_, global)| {
+            let place = global.binding?;
+            let (group, binding) = (place.group, place.binding);
+            if key.bindings.iter().any(|row| (row.0, row.1) == (group, binding)) {
+                return None;
+            }
+            let name = global.name.as_deref().unwrap_or("a block");
+            Some(format!(
+                "the shader reads `{name}` (group {group}, binding {binding}), and nothing is bound \
+                 to it"
+            ))
+        })
+    })
 }
 
 type Groups = Vec<Option<BindGroupLayout>>;

@@ -6,6 +6,7 @@ use naga::{Handle, PredeclaredType, Type};
 use serde::{Deserialize, Serialize};
 
 use crate::run::Module;
+use crate::source::Files;
 
 /// Types that naga keys by what JSON takes for no key.
 #[derive(Serialize, Deserialize)]
@@ -22,12 +23,12 @@ pub(super) fn write(module: &Module) -> io::Result<Vec<u8>> {
     Ok(serde_json::to_vec(&Wire { predeclared, module: &ir })?)
 }
 
-/// The module, with no more known of it than its code.
+/// The module, with no more known of it than its code: wgpu validates it again.
 pub(super) fn read(json: &[u8]) -> io::Result<Module> {
     let mut reader = serde_json::Deserializer::from_slice(json);
     // Each `else if` is a level; the thread that reads has the stack for it.
     reader.disable_recursion_limit();
     let Wire { predeclared, module: mut ir } = Wire::<naga::Module>::deserialize(&mut reader)?;
     ir.special_types.predeclared_types = predeclared.into_iter().collect();
-    Ok(Module::bare(ir, naga::valid::ModuleInfo::default()))
+    Ok(Module::unvalidated(ir, Files::default(), Vec::new()))
 }
