@@ -17,6 +17,7 @@ mod limits;
 pub mod module;
 pub mod probe;
 pub mod reader;
+pub mod reflection;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 pub mod remote;
 pub mod verify;

@@ -10,6 +10,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::run::Module;
+use crate::run::reflection::Reflection;
 use crate::source::Stage;
 
 /// One upload and one run.
@@ -156,6 +157,8 @@ pub enum FailureKind {
     Missing,
     /// It does not take this shader: its compiler or its limits say no.
     Refused,
+    /// The shader is nothing that can be run this way at all.
+    Unfit,
     /// It stopped while it ran: a crash, a lost device.
     Died,
     /// It was not done within the limit, or the budget of steps.
@@ -208,4 +211,13 @@ pub trait Reader {
     /// # Errors
     /// Why there is no answer; the reader can be asked again unless it died.
     fn run(&mut self, job: &Job) -> Result<Answer, Failure>;
+
+    /// What its compiler says of texts as they are, within that time; `None` where it has none.
+    fn reflect(
+        &mut self,
+        _texts: &[(Stage, &str)],
+        _limit: Duration,
+    ) -> Option<Result<Reflection, Failure>> {
+        None
+    }
 }

@@ -19,10 +19,10 @@ mod version;
 use std::rc::Rc;
 
 pub use context::ContextKind;
-pub use reflect::{ReflectedBlock, ReflectedMember, ReflectedUniform, Reflection};
 
 use super::devices::Found;
 use super::reader::{Answer, Device, Failure, Job, Reader};
+use super::reflection::Reflection;
 use crate::source::Stage;
 use context::{Context, Display};
 use program::{Partner, Programs};
@@ -123,6 +123,14 @@ impl Reader for Gl {
         let texts = run::texts(job)?;
         let slot = self.slot(&texts)?;
         run::run(&slot.context, &mut slot.programs, job, &texts)
+    }
+
+    fn reflect(
+        &mut self,
+        texts: &[(Stage, &str)],
+        _limit: std::time::Duration,
+    ) -> Option<Result<Reflection, Failure>> {
+        Some(Gl::reflect(self, texts))
     }
 }
 

@@ -100,7 +100,7 @@ impl Remote {
         &mut self,
         sources: &[(crate::Stage, &str)],
         limit: Duration,
-    ) -> Result<super::gl::Reflection, Failure> {
+    ) -> Result<super::reflection::Reflection, Failure> {
         let text =
             |&(stage, text): &(crate::Stage, &str)| (stage.name().to_string(), text.to_string());
         let ask = Ask::Reflect { sources: sources.iter().map(text).collect() };
@@ -136,7 +136,7 @@ impl Remote {
         if let Err(failure) = &result {
             match failure.kind {
                 FailureKind::Died | FailureKind::TimedOut => self.session = None,
-                FailureKind::Missing | FailureKind::Refused => {}
+                FailureKind::Missing | FailureKind::Refused | FailureKind::Unfit => {}
             }
         }
         result
@@ -152,6 +152,15 @@ impl Reader for Remote {
         let reader = self.device.reader;
         let answer = self.session().and_then(|session| session.run(job, reader));
         self.bury(answer)
+    }
+
+    #[cfg(feature = "gl")]
+    fn reflect(
+        &mut self,
+        texts: &[(crate::Stage, &str)],
+        limit: Duration,
+    ) -> Option<Result<super::reflection::Reflection, Failure>> {
+        (self.device.reader == "gl").then(|| Remote::reflect(self, texts, limit))
     }
 }
 

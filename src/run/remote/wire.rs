@@ -43,7 +43,7 @@ pub(super) enum Reply {
         pixels: Blob,
     },
     #[cfg(feature = "gl")]
-    Reflected(crate::run::gl::Reflection),
+    Reflected(crate::run::reflection::Reflection),
     Failed(Failure),
 }
 

@@ -110,7 +110,7 @@ pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
     let form = form(need.reader, need.source, need.block, need.options.naga);
     match form {
         Form::Original => {
-            let source = opened(need);
+            let source = opened(need.source, need.options);
             let text = glsl::text(&source, need.block, need.element, need.plan, need.stage);
             for_gl(need, &source, &text)
         }
@@ -120,12 +120,17 @@ pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
 }
 
 /// The shader with its includes in it: drivers open no files.
-fn opened<'a>(need: &Need<'a>) -> Cow<'a, Source> {
-    if !need.source.text.contains("#include") {
-        return Cow::Borrowed(need.source);
+fn opened<'a>(source: &'a Source, options: &VerifyOptions) -> Cow<'a, Source> {
+    if !source.text.contains("#include") {
+        return Cow::Borrowed(source);
     }
-    let text = raw::flattened(need.source, &need.options.layout.read);
-    Cow::Owned(Source { text: Arc::from(text), ..need.source.clone() })
+    let text = raw::flattened(source, &options.layout.read);
+    Cow::Owned(Source { text: Arc::from(text), ..source.clone() })
+}
+
+/// The user's text as OpenGL's compiler takes it, without a probe.
+pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
+    without(&opened(source, options).text, "set")
 }
 
 fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
@@ -264,7 +269,7 @@ fn failure(message: String) -> Failure {
 
 fn refused(what: &str, found: &[Diagnostic]) -> Failure {
     let first = found.first().map_or("no reason given", |first| first.message.as_str());
-    failure(format!("it cannot be {what}: {first}"))
+    Failure { kind: FailureKind::Unfit, ..failure(format!("it cannot be {what}: {first}")) }
 }
 
 /// The text without `WORD = N` in its layout qualifiers: OpenGL has no descriptor sets.

@@ -8,6 +8,7 @@ mod access;
 mod code;
 mod partner;
 pub mod report;
+mod reported;
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -17,7 +18,7 @@ use crate::layout::BlockLayout;
 use crate::run::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::run::probe::{Got, Sighting, cause, judge, words};
 use crate::run::reader::{Failure, FailureKind, Grid, Job, Reader, Resource, ResourceKind, Texel};
-use crate::shape::{AddressSpace, ArrayLen, ScalarKind};
+use crate::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
 use crate::source::{Source, Stage};
 use crate::{Diagnostic, Options, ShaderLayout, layout};
 use code::{Code, Need};
@@ -211,6 +212,9 @@ impl Verifier<'_> {
         if self.block.count.iter().any(unknown) {
             return Some("the number of its buffers is not known".to_string());
         }
+        if self.block.members.iter().any(|member| has_address(&member.ty)) {
+            return Some("it holds addresses of other buffers".to_string());
+        }
         buffer.as_ref().err().cloned()
     }
 
@@ -243,16 +247,59 @@ impl Verifier<'_> {
                 match self.run(reader, stage, &element, plan, buffer) {
                     Ok(seen) => sightings.extend(seen),
                     Err(failure) => {
-                        report.outcome = Outcome::Failed;
-                        report.reason = Some(failure.message);
-                        report.log = failure.log;
+                        self.refused(reader, stage, failure, &mut report);
                         return report;
                     }
                 }
             }
         }
         self.judge(&sightings, &mut report);
+        self.reported(reader, stage, &mut report);
         report
+    }
+
+    /// Holds what the driver itself says of the text against the layout.
+    fn reported(&self, reader: &mut dyn Reader, stage: Stage, report: &mut ReaderReport) {
+        if report.form != Form::Original {
+            return;
+        }
+        let text = code::bare(self.source, self.options);
+        let Some(Ok(reflection)) = reader.reflect(&[(stage, &text)], self.options.limit) else {
+            return;
+        };
+        for element in reported::elements(self.block, self.expected, &reflection) {
+            if element.byte_read != Some(element.expected_byte) {
+                report.outcome = Outcome::Disagrees;
+            }
+            report.reads.push(element);
+        }
+    }
+
+    /// Why a probe has no answer. What a reader cannot take at all is none of its failures: a
+    /// text its compiler refuses without a probe too, a shader that makes no module.
+    fn refused(
+        &self,
+        reader: &mut dyn Reader,
+        stage: Stage,
+        failure: Failure,
+        report: &mut ReaderReport,
+    ) {
+        report.outcome = Outcome::Failed;
+        report.reason = Some(failure.message);
+        report.log = failure.log;
+        if failure.kind == FailureKind::Unfit {
+            report.outcome = Outcome::Skipped;
+        }
+        if failure.kind != FailureKind::Refused || report.form != Form::Original {
+            return;
+        }
+        let text = code::bare(self.source, self.options);
+        let alone = reader.reflect(&[(stage, &text)], self.options.limit);
+        if let Some(Err(Failure { kind: FailureKind::Refused, log, .. })) = alone {
+            report.outcome = Outcome::Skipped;
+            report.reason = Some("its compiler does not take the text".to_string());
+            report.log = log;
+        }
     }
 
     /// Runs a plan on one buffer of the block: once over sentinels, and for bools once a bit.
@@ -394,6 +441,18 @@ struct Words {
     words: Vec<u32>,
     /// The block's own buffer, where it was written.
     block: Vec<u8>,
+}
+
+fn has_address(ty: &Type) -> bool {
+    match ty.innermost() {
+        Type::Address(_) => true,
+        Type::Struct(inner) => inner.members.iter().any(|member| has_address(&member.ty)),
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Array { .. } => false,
+    }
 }
 
 /// Bytes of a buffer for a block, a runtime-sized tail of [`TAIL`] elements.
