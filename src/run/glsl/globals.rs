@@ -15,6 +15,9 @@ use crate::run::module::ModuleBlock;
 use crate::shape::{AddressSpace, Type};
 use crate::source::{Span, Stage};
 
+/// Values in a structure at most: more are a text made to exhaust memory.
+const MOST_LEAVES: u64 = 1 << 20;
+
 /// Elements of an array of blocks at most: each is a buffer of its own.
 const MOST_BLOCKS: u32 = 256;
 
@@ -224,6 +227,10 @@ impl<'a> Lowerer<'a> {
             }
         }
         let structure = self.new_structure(declaration.name.text, members);
+        if structure.leaves > MOST_LEAVES {
+            let message = format!("`{}` has more than {MOST_LEAVES} values in it", structure.name);
+            return Err(refuse(declaration.name.span, message));
+        }
         let at = (declaration.name.span.file, declaration.name.span.start);
         self.structures_at.insert(at, structure.clone());
         Ok(Ty::Struct(structure))
@@ -233,7 +240,8 @@ impl<'a> Lowerer<'a> {
         let id = self.next_structure;
         self.next_structure += 1;
         let opaque = members.iter().any(|member| member.ty.has_opaque());
-        Rc::new(Structure { id, name: name.to_string(), members, opaque })
+        let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+        Rc::new(Structure { id, name: name.to_string(), members, opaque, leaves })
     }
 
     /// The structure that the layout means.

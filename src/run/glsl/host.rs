@@ -209,7 +209,8 @@ impl Lowerer<'_> {
             return Err(Misfit::Foreign);
         }
         let held = if kind == Kind::Bool { ty.with_kind(Kind::Uint) } else { ty.clone() };
-        let carried = carrier(&mut self.ir.types, &held).ok_or(Misfit::Foreign)?;
+        let carried =
+            carrier(&mut self.ir.types, &mut self.carriers, &held).ok_or(Misfit::Foreign)?;
         let mut naga = carried.handle;
         if atomic {
             let inner = TypeInner::Atomic(kind.scalar());
@@ -237,8 +238,8 @@ impl Lowerer<'_> {
         let stride = stride.ok_or(Misfit::Foreign)?;
         let row_major = layout.row_major;
         let (count, length) = if row_major { (rows, columns) } else { (columns, rows) };
-        let vector =
-            carrier(&mut self.ir.types, &Ty::Vector(kind, length)).ok_or(Misfit::Foreign)?;
+        let vector = carrier(&mut self.ir.types, &mut self.carriers, &Ty::Vector(kind, length))
+            .ok_or(Misfit::Foreign)?;
         if !typed && kind != Kind::Float {
             return Err(Misfit::Foreign);
         }
@@ -247,7 +248,7 @@ impl Lowerer<'_> {
         }
         let plain = !row_major && stride == vector.align;
         let naga = if plain {
-            carrier(&mut self.ir.types, &ty).ok_or(Misfit::Foreign)?.handle
+            carrier(&mut self.ir.types, &mut self.carriers, &ty).ok_or(Misfit::Foreign)?.handle
         } else {
             let len = NonZeroU32::new(count.into()).expect("a matrix has columns and rows");
             let size = ArraySize::Constant(len);
@@ -299,7 +300,7 @@ impl Lowerer<'_> {
 
     /// The memory of a `shared` variable that atomic functions change: naga's own offsets.
     pub fn host_of_shared(&mut self, ty: &Ty) -> Option<Rc<Host>> {
-        let carried = carrier(&mut self.ir.types, ty)?;
+        let carried = carrier(&mut self.ir.types, &mut self.carriers, ty)?;
         let (kind, naga) = match ty {
             Ty::Scalar(kind @ (Kind::Int | Kind::Uint)) => {
                 let inner = TypeInner::Atomic(kind.scalar());
@@ -351,7 +352,8 @@ impl Lowerer<'_> {
     pub fn words(&mut self, size: u32, runtime: bool, purpose: Purpose) -> Handle<naga::Type> {
         let uniform = purpose == Purpose::Uniform;
         let unit = if uniform { Ty::Vector(Kind::Uint, 4) } else { Ty::UINT };
-        let unit = carrier(&mut self.ir.types, &unit).expect("a plain type is carried");
+        let unit = carrier(&mut self.ir.types, &mut self.carriers, &unit)
+            .expect("a plain type is carried");
         let count = size.div_ceil(unit.size).max(1);
         let len = NonZeroU32::new(count).expect("at least one");
         let array = TypeInner::Array {

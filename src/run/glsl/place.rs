@@ -14,6 +14,9 @@ use super::{Lowerer, R};
 /// Arrays longer than this are copied by a loop.
 const LONGEST_UNROLLED: u32 = 8;
 
+/// Values copied one by one, at most.
+const MOST_COPIED: u64 = 4096;
+
 /// Where a value is kept.
 #[derive(Clone, Debug)]
 pub enum Mem {
@@ -296,7 +299,10 @@ impl Body<'_, '_> {
                 let expr = self.add(Expression::Load { pointer: *pointer });
                 Ok(Val { expr, ty: place.ty.clone() })
             }
-            Mem::Host(at, host) => self.load_host(at, host),
+            Mem::Host(at, host) => {
+                self.check_copied(&place.ty)?;
+                self.load_host(at, host)
+            }
             Mem::Column(at, host, column) => {
                 let (_, rows) = stored_vector(&host.ty, true);
                 let mut components = Vec::new();
@@ -312,6 +318,13 @@ impl Body<'_, '_> {
             }
             Mem::Nothing => self.refuse(format!("a `{}` has no value", place.ty)),
         }
+    }
+
+    fn check_copied(&self, ty: &Ty) -> R<()> {
+        if copied(ty) > MOST_COPIED {
+            return self.refuse(format!("values of `{ty}` are too large to be copied as a whole"));
+        }
+        Ok(())
     }
 
     /// Components of a vector, or a scalar several times.
@@ -505,7 +518,10 @@ impl Body<'_, '_> {
                 self.statement(Statement::Store { pointer: *pointer, value: value.expr });
                 Ok(())
             }
-            Mem::Host(at, host) => self.store_host(at, host, value.expr),
+            Mem::Host(at, host) => {
+                self.check_copied(&place.ty)?;
+                self.store_host(at, host, value.expr)
+            }
             Mem::Column(at, host, column) => {
                 let (_, rows) = stored_vector(&host.ty, true);
                 for row in 0..rows {
@@ -645,6 +661,18 @@ impl Body<'_, '_> {
         let kind = naga::ScalarKind::Sint;
         let expr = self.add(Expression::As { expr: length, kind, convert: Some(4) });
         Ok(Val { expr, ty: Ty::INT })
+    }
+}
+
+/// Values that are copied one by one when a value is, a loop's counted once.
+fn copied(ty: &Ty) -> u64 {
+    match ty {
+        Ty::Array(element, len) => {
+            let unrolled = len.filter(|&len| len <= LONGEST_UNROLLED).unwrap_or(1);
+            copied(element).saturating_mul(unrolled.into())
+        }
+        Ty::Struct(s) => s.members.iter().fold(0u64, |sum, m| sum.saturating_add(copied(&m.ty))),
+        Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Matrix(..) | Ty::Opaque(_) => 1,
     }
 }
 
