@@ -166,16 +166,23 @@ impl Module {
         on_a_large_stack(|| wgsl::by_naga(source, options)?.validated())
     }
 
-    /// The module as SPIR-V for Vulkan, its one entry point or all of them; in naga's words why not.
+    /// The module as SPIR-V for Vulkan, names included, overrides with their values in force.
     ///
     /// # Errors
-    /// What naga cannot write.
+    /// What naga cannot write, in its words.
     #[cfg(feature = "gpu")]
     pub fn spirv(&self) -> Result<Vec<u32>, String> {
-        let options = naga::back::spv::Options::default();
-        let write = || naga::back::spv::write_vec(&self.ir, &self.info, &options, None);
+        use naga::back::{pipeline_constants::process_overrides, spv};
+        // Not `ADJUST_COORDINATE_SPACE`: positions stay as the shader writes them.
+        let flags = spv::WriterFlags::DEBUG | spv::WriterFlags::LABEL_VARYINGS;
+        let options = spv::Options { flags, ..spv::Options::default() };
+        let write = || {
+            let (ir, info) = process_overrides(&self.ir, &self.info, None, &Default::default())
+                .map_err(|error| chain(&error))?;
+            spv::write_vec(&ir, &info, &options, None).map_err(|error| chain(&error))
+        };
         match panic::catch_unwind(AssertUnwindSafe(write)) {
-            Ok(words) => words.map_err(|error| chain(&error)),
+            Ok(words) => words,
             Err(_) => Err("naga panics when it writes this module".to_string()),
         }
     }

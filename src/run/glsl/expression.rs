@@ -258,9 +258,14 @@ impl<'a> Body<'_, 'a> {
     fn indexed(&mut self, base: &Expr<'a>, index: &Expr<'a>, whole: &Expr<'a>) -> R<Operand> {
         let base = self.operand(base)?;
         let fixed = self.constant(index).and_then(|c| c.integer());
-        let fixed = fixed.map(|i| u32::try_from(i).unwrap_or(u32::MAX));
         let index = match fixed {
-            Some(index) => Index::Fixed(index),
+            Some(fixed) => match u32::try_from(fixed) {
+                Ok(fixed) => Index::Fixed(fixed),
+                Err(_) => {
+                    self.span = index.span;
+                    return self.refuse(format!("index {fixed} is below 0"));
+                }
+            },
             None => {
                 let value = self.value(index)?;
                 if !matches!(value.ty, Ty::INT | Ty::UINT) {

@@ -72,7 +72,7 @@ impl<'a> Lowerer<'a> {
         self.reserve_bindings(items);
         // Structures and constants first: the block of loose uniforms is made of all of them.
         for item in items {
-            self.types_of(item).map_err(|d| vec![*d])?;
+            self.types_of(item);
         }
         for item in items {
             match item {
@@ -184,6 +184,9 @@ impl<'a> Lowerer<'a> {
         if let Some(ty) = self.structures.get(name) {
             return Ok(ty.clone());
         }
+        if let Some(why) = self.broken.get(name) {
+            return Err(why.clone());
+        }
         builtin(name).ok_or_else(|| refuse(span, format!("`{name}` is no type that can run")))
     }
 
@@ -270,11 +273,12 @@ impl<'a> Lowerer<'a> {
         })
     }
 
-    fn types_of(&mut self, item: &Item<'a>) -> R<()> {
+    /// What is wrong with a type is said where it is used.
+    fn types_of(&mut self, item: &Item<'a>) {
         match item {
             Item::Variables(declaration) => {
-                if let TypeBase::Struct(_) = &declaration.ty.base {
-                    self.global_type(&declaration.ty, &[])?;
+                if let TypeBase::Struct(structure) = &declaration.ty.base {
+                    self.declare_structure(structure);
                 }
                 if declaration.qualifiers.storage == Storage::Const {
                     self.all_variables(declaration);
@@ -282,14 +286,19 @@ impl<'a> Lowerer<'a> {
             }
             Item::Block(block) => {
                 for member in &block.members {
-                    if let TypeBase::Struct(_) = &member.ty.base {
-                        self.global_type(&member.ty, &[])?;
+                    if let TypeBase::Struct(structure) = &member.ty.base {
+                        self.declare_structure(structure);
                     }
                 }
             }
             Item::Function(_) | Item::Defaults(_) => {}
         }
-        Ok(())
+    }
+
+    fn declare_structure(&mut self, declaration: &StructDecl<'a>) {
+        if let Err(why) = self.structure(declaration) {
+            self.broken.insert(declaration.name.text, why);
+        }
     }
 
     fn variables(&mut self, declaration: &Rc<Declaration<'a>>) {

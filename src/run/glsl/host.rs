@@ -62,6 +62,13 @@ pub enum Purpose {
     Immediate,
 }
 
+/// Whether a structure is the block itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Whole,
+    Member,
+}
+
 /// A type and what naga wants of its place.
 struct Built {
     host: Rc<Host>,
@@ -90,12 +97,13 @@ impl Lowerer<'_> {
         size: u64,
         purpose: Purpose,
     ) -> Result<Host, Misfit> {
-        let typed = self.members(structure, members, size, purpose, true);
+        let whole = Part::Whole;
+        let typed = self.members(structure, members, size, purpose, true, whole);
         match typed {
             Ok(built) => Ok(Rc::try_unwrap(built.host).expect("it was just made")),
             Err(Misfit::Foreign) => Err(Misfit::Foreign),
             Err(Misfit::Alignment) => {
-                let built = self.members(structure, members, size, purpose, false)?;
+                let built = self.members(structure, members, size, purpose, false, whole)?;
                 Ok(Rc::try_unwrap(built.host).expect("it was just made"))
             }
         }
@@ -108,6 +116,7 @@ impl Lowerer<'_> {
         size: u64,
         purpose: Purpose,
         typed: bool,
+        part: Part,
     ) -> Result<Built, Misfit> {
         let uniform = purpose == Purpose::Uniform;
         let mut members = Vec::with_capacity(layouts.len());
@@ -138,7 +147,11 @@ impl Lowerer<'_> {
             let name = layout.name.to_string();
             members.push(HostMember { name, index: index as u32, offset, host: built.host });
         }
-        let span = u32::try_from(size).map_err(|_| Misfit::Foreign)?;
+        let mut span = u32::try_from(size).map_err(|_| Misfit::Foreign)?;
+        if part == Part::Whole {
+            // A block with dvec3 is padded to 32 by naga, to 16 by std140: nothing follows it.
+            span = span.checked_next_multiple_of(align).ok_or(Misfit::Foreign)?;
+        }
         let naga = if typed {
             if !span.is_multiple_of(align) {
                 return Err(Misfit::Alignment);
@@ -196,7 +209,7 @@ impl Lowerer<'_> {
                     (None, size) => size,
                 };
                 let size = size.ok_or(Misfit::Foreign)?;
-                self.members(&structure, &layout.members, size, purpose, typed)
+                self.members(&structure, &layout.members, size, purpose, typed, Part::Member)
             }
             Type::Atomic(_) | Type::Address(_) => Err(Misfit::Foreign),
         }

@@ -96,6 +96,8 @@ pub struct Lowerer<'a> {
     pub predeclared: FxHashMap<String, usize>,
     pub io: Vec<io::Io>,
     structures: FxHashMap<&'a str, Ty>,
+    /// Structures that cannot run, and why.
+    broken: FxHashMap<&'a str, Box<Diagnostic>>,
     /// Structures by where their names stand: so the layout tells which it means.
     structures_at: FxHashMap<(u32, u32), Rc<Structure>>,
     next_structure: u32,
@@ -155,6 +157,7 @@ pub(super) fn lower(source: &Source, options: &Options) -> Result<Lowered, Vec<D
         predeclared: FxHashMap::default(),
         io: Vec::new(),
         structures: FxHashMap::default(),
+        broken: FxHashMap::default(),
         structures_at: FxHashMap::default(),
         next_structure: 0,
         carriers: FxHashMap::default(),
