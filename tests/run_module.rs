@@ -104,8 +104,8 @@ mod written {
     }
 
     /// Random blocks of every kind become modules, and those that are not words have every
-    /// scalar and vector where landfall says.
-    fn agree(batch: (Vec<Standing>, Vec<Block>), target: landfall::Target) {
+    /// scalar and vector where landfall says. Gives how many cannot run.
+    fn agree(batch: (Vec<Standing>, Vec<Block>), target: landfall::Target) -> usize {
         let (standing, blocks) = batch;
         let mut refused = 0;
         for block in &blocks {
@@ -136,15 +136,16 @@ mod written {
             });
             assert!(found.is_empty(), "{found:#?}\n{text}");
         }
-        assert!(refused * 3 < blocks.len(), "{refused} of {} cannot run", blocks.len());
+        refused
     }
 
     #[test]
     fn random_blocks_have_their_members_where_the_layout_says() {
         for seed in 0..4 {
-            agree(random(seed, 40, &COMMON), landfall::Target::OpenGl);
+            assert_eq!(agree(random(seed, 40, &COMMON), landfall::Target::OpenGl), 0);
         }
-        agree(random(7, 40, &VULKAN), landfall::Target::Vulkan);
+        // Half of these have 8-bit numbers or addresses.
+        assert!(agree(random(7, 40, &VULKAN), landfall::Target::Vulkan) < 30);
     }
 }
 

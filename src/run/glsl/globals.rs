@@ -566,8 +566,9 @@ impl<'a> Lowerer<'a> {
             Ok(host) => Rc::new(host),
             Err(Misfit::Alignment | Misfit::Foreign) => {
                 let message = format!("naga has nothing that carries block `{}`", layout.name);
-                return Err(refuse(span, message)
-                    .help("no 64-bit or 16-bit numbers, or atomics, where naga takes the layout only as words"));
+                return Err(refuse(span, message).help(
+                    "no 16-bit numbers, and no atomics, where naga takes the layout only as words",
+                ));
             }
         };
         let runtime = structure.members.last().is_some_and(|m| matches!(m.ty, Ty::Array(_, None)));

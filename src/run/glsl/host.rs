@@ -217,8 +217,7 @@ impl Lowerer<'_> {
 
     fn leaf(&mut self, ty: Ty, typed: bool, atomic: bool) -> Result<Built, Misfit> {
         let (kind, _) = ty.components().expect("a leaf is a scalar or vector");
-        if !typed && (atomic || !matches!(kind, Kind::Bool | Kind::Int | Kind::Uint | Kind::Float))
-        {
+        if !typed && (atomic || (kind != Kind::Bool && kind.scalar().width < 4)) {
             return Err(Misfit::Foreign);
         }
         let held = if kind == Kind::Bool { ty.with_kind(Kind::Uint) } else { ty.clone() };
@@ -253,7 +252,7 @@ impl Lowerer<'_> {
         let (count, length) = if row_major { (rows, columns) } else { (columns, rows) };
         let vector = carrier(&mut self.ir.types, &mut self.carriers, &Ty::Vector(kind, length))
             .ok_or(Misfit::Foreign)?;
-        if !typed && kind != Kind::Float {
+        if !typed && kind == Kind::Half {
             return Err(Misfit::Foreign);
         }
         if typed && !stride.is_multiple_of(vector.align) {

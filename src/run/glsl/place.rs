@@ -438,6 +438,16 @@ impl Body<'_, '_> {
         };
         let expr = match at {
             Address::Pointer(pointer) => self.add(Expression::Load { pointer: *pointer }),
+            Address::Words { .. } if kind.scalar().width == 8 => {
+                let mut parts = Vec::new();
+                for i in 0..u32::from(size) {
+                    parts.push(self.load_wide(&at.further(8 * i), kind));
+                }
+                match &parts[..] {
+                    [part] => *part,
+                    _ => self.compose(ty, parts)?.expr,
+                }
+            }
             Address::Words { .. } => {
                 let mut words = Vec::new();
                 for i in 0..u32::from(size) {
@@ -464,6 +474,39 @@ impl Body<'_, '_> {
         let zero = self.splat(&zero, size)?;
         let expr = self.binary(BinaryOperator::NotEqual, expr, zero.expr);
         Ok(Val { expr, ty: ty.clone() })
+    }
+
+    /// A scalar of 8 bytes, of two words.
+    fn load_wide(&mut self, at: &Address, kind: Kind) -> Handle<Expression> {
+        let uint = naga::ScalarKind::Uint;
+        let mut halves = Vec::new();
+        for i in 0..2 {
+            let pointer = self.word(&at.further(4 * i));
+            let expr = self.add(Expression::Load { pointer });
+            halves.push(self.add(Expression::As { expr, kind: uint, convert: Some(8) }));
+        }
+        let by = self.u32(32);
+        let high = self.binary(BinaryOperator::ShiftLeft, halves[1], by);
+        let expr = self.binary(BinaryOperator::InclusiveOr, halves[0], high);
+        match kind {
+            Kind::Ulong => expr,
+            _ => self.add(Expression::As { expr, kind: kind.scalar().kind, convert: None }),
+        }
+    }
+
+    fn store_wide(&mut self, at: &Address, kind: Kind, value: Handle<Expression>) {
+        let uint = naga::ScalarKind::Uint;
+        let bits = match kind {
+            Kind::Ulong => value,
+            _ => self.add(Expression::As { expr: value, kind: uint, convert: None }),
+        };
+        let by = self.u32(32);
+        let high = self.binary(BinaryOperator::ShiftRight, bits, by);
+        for (i, half) in [(0, bits), (1, high)] {
+            let value = self.add(Expression::As { expr: half, kind: uint, convert: Some(4) });
+            let pointer = self.word(&at.further(4 * i));
+            self.statement(Statement::Store { pointer, value });
+        }
     }
 
     /// A pointer to the word at an address.
@@ -623,6 +666,12 @@ impl Body<'_, '_> {
         match at {
             Address::Pointer(pointer) => {
                 self.statement(Statement::Store { pointer: *pointer, value });
+            }
+            Address::Words { .. } if kind.scalar().width == 8 => {
+                for i in 0..size {
+                    let part = if size == 1 { value } else { self.part(value, i.into()) };
+                    self.store_wide(&at.further(8 * u32::from(i)), kind, part);
+                }
             }
             Address::Words { .. } => {
                 if !matches!(kind, Kind::Bool | Kind::Uint) {
