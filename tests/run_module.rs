@@ -30,7 +30,7 @@ fn fragment(outside: &str, inside: &str) -> Module {
 
 /// The one thing that keeps a text from running.
 fn refused(path: &str, text: &str) -> Diagnostic {
-    let mut why = module(path, text).err().expect("it cannot run");
+    let mut why = module(path, text).expect_err("it cannot run");
     why.swap_remove(0)
 }
 

@@ -46,6 +46,7 @@ pub struct ModuleBlock {
     pub binding: u32,
     /// Which element of an array of blocks it is, counted through all dimensions.
     pub element: Option<u32>,
+    #[allow(dead_code, reason = "readers of the IR find the block's memory by it")]
     pub(crate) variable: Handle<GlobalVariable>,
 }
 
@@ -60,8 +61,7 @@ pub struct ModuleHandle {
     pub binding: u32,
     /// What it is. A `sampler2D` of GLSL is a texture and a sampler of one path.
     pub kind: HandleKind,
-    // Readers find it by group and binding.
-    #[allow(dead_code)]
+    #[allow(dead_code, reason = "readers of the IR find the handle by it")]
     pub(crate) variable: Handle<GlobalVariable>,
 }
 
@@ -105,6 +105,7 @@ pub struct FunctionInfo {
     pub returns: Option<String>,
     /// Its name in the text.
     pub span: Span,
+    #[allow(dead_code, reason = "readers of the IR find the function by it")]
     pub(crate) handle: Handle<naga::Function>,
 }
 

@@ -123,7 +123,7 @@ impl Body<'_, '_> {
             (Address::Pointer(pointer), index) => Address::Pointer(self.at(*pointer, index)),
             (Address::Words { .. }, Index::Fixed(i)) => at.further(i.saturating_mul(stride)),
             (Address::Words { block, fours, fixed, dynamic }, Index::Dynamic(index)) => {
-                let index = self.to_u32(index);
+                let index = self.unsigned_index(index);
                 let stride = self.u32(stride);
                 let mut bytes = self.binary(BinaryOperator::Multiply, index, stride);
                 if let Some(dynamic) = dynamic {
@@ -136,7 +136,7 @@ impl Body<'_, '_> {
     }
 
     /// An index as `u32`; it is `i32` or `u32`, which a conversion leaves or takes as bits.
-    fn to_u32(&mut self, index: Handle<Expression>) -> Handle<Expression> {
+    fn unsigned_index(&mut self, index: Handle<Expression>) -> Handle<Expression> {
         let kind = naga::ScalarKind::Uint;
         self.add(Expression::As { expr: index, kind, convert: Some(4) })
     }
