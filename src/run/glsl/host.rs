@@ -11,7 +11,8 @@ use std::rc::Rc;
 use naga::{ArraySize, Handle, StructMember, TypeInner};
 
 use super::Lowerer;
-use super::types::{Kind, Structure, Ty, carrier};
+use super::carrier::carrier;
+use super::types::{Kind, Structure, Ty};
 use crate::layout::MemberLayout;
 use crate::shape::{ArrayLen, Type};
 

@@ -1,16 +1,20 @@
 //! GLSL of any version, bodies included, as naga IR with our offsets.
 //!
 //! A front end of our own: naga's takes neither old versions nor loose uniforms, and lays blocks
-//! out wrongly. [`parse`] and [`declare`] make [`ast`] of the preprocessor's tokens; [`globals`]
-//! lowers what stands outside functions, [`function`] and what it calls lower bodies, [`host`]
-//! and [`place`] put blocks where our layout says, [`io`] makes the entry point.
+//! out wrongly. [`parse`], [`parse_statement`] and [`declare`] make [`ast`] of the preprocessor's
+//! tokens; [`globals`] and [`blocks`] lower what stands outside functions, [`function`] and what
+//! it calls lower bodies, [`host`], [`place`] and [`memory`] put blocks where our layout says,
+//! [`opaque`] binds textures, [`io`] makes the entry point.
 
 mod ast;
+mod blocks;
 mod body;
 mod call;
+mod carrier;
 mod constant;
 mod construct;
 mod declare;
+mod evaluate;
 mod expression;
 mod function;
 mod globals;
@@ -19,9 +23,11 @@ mod image;
 mod io;
 mod math;
 mod math_expanded;
+mod memory;
 mod opaque;
 mod operators;
 mod parse;
+mod parse_statement;
 mod place;
 mod predeclared;
 mod statement;
@@ -39,7 +45,8 @@ use crate::diagnostic::Diagnostic;
 use crate::parse::glsl::{Texts, tokens};
 use crate::source::{Files, Source, Span, Stage};
 use crate::{BlockLayout, Options, Severity, layout};
-use types::{Carriers, Structure, Ty, carrier};
+use carrier::{Carriers, carrier};
+use types::{Structure, Ty};
 
 /// A result of lowering: what cannot be lowered is said with its place.
 pub(super) type R<T> = Result<T, Box<Diagnostic>>;
