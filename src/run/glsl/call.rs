@@ -127,7 +127,7 @@ impl<'a> Body<'_, 'a> {
     fn pair(&mut self, name: Name<'a>, texture: &Expr<'a>, sampler: &Expr<'a>) -> R<Chosen> {
         let (texture, sampler) = (self.chosen(texture)?, self.chosen(sampler)?);
         self.span = name.span;
-        let Some(Ty::Opaque(opaque)) = super::types::builtin(name.text) else {
+        let Some(Ty::Opaque(opaque)) = super::carrier::builtin(name.text) else {
             return self.refuse(format!("`{}` is no sampler", name.text));
         };
         if let Opaque::Combined(image) = &opaque {
@@ -393,5 +393,5 @@ fn is_variable(chosen: &Chosen) -> bool {
 
 /// Whether a name that begins a constructor is one of a handle: a legacy function has its name.
 fn is_handle(name: &str) -> bool {
-    matches!(super::types::builtin(name), Some(Ty::Opaque(_)))
+    matches!(super::carrier::builtin(name), Some(Ty::Opaque(_)))
 }

@@ -4,7 +4,8 @@
 //! shader computes with a constant, its expression is lowered as it stands.
 
 use super::ast::*;
-use super::types::{Kind, Ty, builtin};
+use super::carrier::builtin;
+use super::types::{Kind, Ty};
 
 /// The value of a constant expression.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,21 +2,20 @@
 
 use std::rc::Rc;
 
-use naga::{Handle, MemoryDecorations, ResourceBinding, StorageAccess};
+use naga::{Handle, MemoryDecorations, ResourceBinding};
 
 use super::ast::*;
+use super::carrier::builtin;
 use super::constant::{Const, evaluate};
-use super::host::{Host, Misfit, Purpose};
+use super::host::Host;
 use super::io::Io;
-use super::types::{Field, Kind, Structure, Ty, builtin, holds_values};
-use super::{Help, Lowerer, R, refuse};
+use super::types::{Field, Kind, Structure, Ty, holds_values};
+use super::{Lowerer, R, refuse};
 use crate::diagnostic::Diagnostic;
-use crate::run::module::ModuleBlock;
-use crate::shape::{AddressSpace, Type};
 use crate::source::{Span, Stage};
 
-/// Elements of an array of blocks at most: each is a buffer of its own.
-const MOST_BLOCKS: u32 = 256;
+/// Values in a structure at most: more are a text made to exhaust memory.
+const MOST_LEAVES: u64 = 1 << 20;
 
 /// What a global name means.
 #[derive(Clone, Debug)]
@@ -69,7 +68,7 @@ impl<'a> Lowerer<'a> {
         self.reserve_bindings(items);
         // Structures and constants first: the block of loose uniforms is made of all of them.
         for item in items {
-            self.types_of(item).map_err(|d| vec![*d])?;
+            self.types_of(item);
         }
         for item in items {
             match item {
@@ -181,6 +180,9 @@ impl<'a> Lowerer<'a> {
         if let Some(ty) = self.structures.get(name) {
             return Ok(ty.clone());
         }
+        if let Some(why) = self.broken.get(name) {
+            return Err(why.clone());
+        }
         builtin(name).ok_or_else(|| refuse(span, format!("`{name}` is no type that can run")))
     }
 
@@ -188,7 +190,7 @@ impl<'a> Lowerer<'a> {
         self.structures.get(name)
     }
 
-    fn global_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> R<Ty> {
+    pub fn global_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> R<Ty> {
         let base = match &spec.base {
             TypeBase::Name(name) => self.named_type(name, spec.span)?,
             TypeBase::Struct(declaration) => {
@@ -224,6 +226,10 @@ impl<'a> Lowerer<'a> {
             }
         }
         let structure = self.new_structure(declaration.name.text, members);
+        if structure.leaves > MOST_LEAVES {
+            let message = format!("`{}` has more than {MOST_LEAVES} values in it", structure.name);
+            return Err(refuse(declaration.name.span, message));
+        }
         let at = (declaration.name.span.file, declaration.name.span.start);
         self.structures_at.insert(at, structure.clone());
         Ok(Ty::Struct(structure))
@@ -233,7 +239,8 @@ impl<'a> Lowerer<'a> {
         let id = self.next_structure;
         self.next_structure += 1;
         let opaque = members.iter().any(|member| member.ty.has_opaque());
-        Rc::new(Structure { id, name: name.to_string(), members, opaque })
+        let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+        Rc::new(Structure { id, name: name.to_string(), members, opaque, leaves })
     }
 
     /// The structure that the layout means.
@@ -241,32 +248,12 @@ impl<'a> Lowerer<'a> {
         self.structures_at.get(&(s.span.file, s.span.start)).cloned()
     }
 
-    /// The type of values of a member that has a layout.
-    fn value_type(&self, ty: &Type) -> Option<Ty> {
-        Some(match ty {
-            Type::Scalar(scalar) => Ty::Scalar(Kind::of(*scalar)?),
-            Type::Vector { scalar, rows } => Ty::Vector(Kind::of(*scalar)?, *rows),
-            Type::Matrix { scalar, columns, rows } => {
-                Ty::Matrix(Kind::of(*scalar)?, *columns, *rows)
-            }
-            Type::Struct(s) => Ty::Struct(self.structure_of(s)?),
-            Type::Array { element, len } => {
-                let len = match len {
-                    crate::ArrayLen::Fixed(len) => Some(*len),
-                    crate::ArrayLen::Runtime => None,
-                    crate::ArrayLen::Override(_) => return None,
-                };
-                Ty::Array(Rc::new(self.value_type(element)?), len)
-            }
-            Type::Atomic(_) | Type::Address(_) => return None,
-        })
-    }
-
-    fn types_of(&mut self, item: &Item<'a>) -> R<()> {
+    /// What is wrong with a type is said where it is used.
+    fn types_of(&mut self, item: &Item<'a>) {
         match item {
             Item::Variables(declaration) => {
-                if let TypeBase::Struct(_) = &declaration.ty.base {
-                    self.global_type(&declaration.ty, &[])?;
+                if let TypeBase::Struct(structure) = &declaration.ty.base {
+                    self.declare_structure(structure);
                 }
                 if declaration.qualifiers.storage == Storage::Const {
                     self.all_variables(declaration);
@@ -274,14 +261,19 @@ impl<'a> Lowerer<'a> {
             }
             Item::Block(block) => {
                 for member in &block.members {
-                    if let TypeBase::Struct(_) = &member.ty.base {
-                        self.global_type(&member.ty, &[])?;
+                    if let TypeBase::Struct(structure) = &member.ty.base {
+                        self.declare_structure(structure);
                     }
                 }
             }
             Item::Function(_) | Item::Defaults(_) => {}
         }
-        Ok(())
+    }
+
+    fn declare_structure(&mut self, declaration: &StructDecl<'a>) {
+        if let Err(why) = self.structure(declaration) {
+            self.broken.insert(declaration.name.text, why);
+        }
     }
 
     fn variables(&mut self, declaration: &Rc<Declaration<'a>>) {
@@ -365,7 +357,7 @@ impl<'a> Lowerer<'a> {
         Ok(self.variable_in(naga::AddressSpace::Private, name, ty, None, span))
     }
 
-    fn variable_in(
+    pub fn variable_in(
         &mut self,
         space: naga::AddressSpace,
         name: &str,
@@ -454,203 +446,6 @@ impl<'a> Lowerer<'a> {
             None => ty,
         };
         self.declare_global(name.text, Global::Member { memory, ty });
-        Ok(())
-    }
-
-    fn default_block(&mut self, name: Name<'a>) -> R<usize> {
-        if let Some(index) = self.blocks.iter().position(|b| &*b.layout.name == "DefaultBlock") {
-            return Ok(self.block_memory[index]);
-        }
-        let found = self.layouts.iter().find(|l| &*l.name == "DefaultBlock");
-        let Some(layout) = found.cloned() else {
-            return Err(refuse(name.span, format!("`{}` has no layout", name.text)));
-        };
-        let mut members = Vec::new();
-        for member in &layout.members {
-            let Some(ty) = self.value_type(&member.ty) else {
-                return Err(refuse(member.span, format!("`{}` cannot be gathered", member.name)));
-            };
-            members.push(Field { name: member.name.to_string(), ty });
-        }
-        let structure = self.new_structure("DefaultBlock", members);
-        self.make_memory(layout, structure, None, true)
-    }
-
-    fn block(&mut self, block: &BlockDecl<'a>) -> R<()> {
-        let qualifiers = &block.qualifiers;
-        let span = block.name.span;
-        if matches!(qualifiers.storage, Storage::In | Storage::Out) {
-            return self.interface_block(block);
-        }
-        if qualifiers.storage == Storage::Foreign {
-            let message = format!("block `{}` is of a stage that cannot run", block.name.text);
-            return Err(refuse(span, message));
-        }
-        let found = self.layouts.iter().find(|layout| layout.span == span);
-        let Some(layout) = found.cloned() else {
-            return Err(refuse(span, format!("block `{}` has no layout", block.name.text)));
-        };
-        let mut members = Vec::new();
-        for member in &layout.members {
-            let Some(ty) = self.value_type(&member.ty) else {
-                let message = format!(
-                    "`{}` is a `{}`, which naga has no counterpart for",
-                    member.name,
-                    member.ty.spelled(crate::Language::Glsl)
-                );
-                return Err(refuse(member.span, message));
-            };
-            members.push(Field { name: member.name.to_string(), ty });
-        }
-        let structure = self.new_structure(block.name.text, members);
-        let readonly =
-            qualifiers.readonly || block.members.iter().all(|member| member.qualifiers.readonly);
-        let memory = self.make_memory(layout, structure.clone(), Some(block), !readonly)?;
-        match &block.instance {
-            Some(instance) => self.declare_global(instance.text, Global::Block(memory)),
-            None => {
-                let names = block.members.iter().flat_map(|m| &m.names).map(|n| n.name.text);
-                let names: Vec<&'a str> = names.collect();
-                for (name, field) in names.into_iter().zip(&structure.members) {
-                    let ty = field.ty.clone();
-                    self.declare_global(name, Global::Member { memory: Some(memory), ty });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The variables of a block, and how they are reached.
-    fn make_memory(
-        &mut self,
-        layout: crate::BlockLayout,
-        structure: Rc<Structure>,
-        block: Option<&BlockDecl<'a>>,
-        writable: bool,
-    ) -> R<usize> {
-        let span = layout.span;
-        let access =
-            if writable { StorageAccess::LOAD | StorageAccess::STORE } else { StorageAccess::LOAD };
-        let (space, purpose) = match layout.space {
-            AddressSpace::Uniform | AddressSpace::Default => {
-                (naga::AddressSpace::Uniform, Purpose::Uniform)
-            }
-            AddressSpace::Storage => (naga::AddressSpace::Storage { access }, Purpose::Storage),
-            AddressSpace::PushConstant => (naga::AddressSpace::Immediate, Purpose::Immediate),
-            AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
-                let message =
-                    format!("`{}` is reached by an address, which cannot run", layout.name);
-                return Err(refuse(span, message));
-            }
-        };
-        let size = layout.size.unwrap_or(0);
-        let host = self.host_of_block(&structure, &layout.members, size, purpose);
-        let host = match host {
-            Ok(host) => Rc::new(host),
-            Err(Misfit::Alignment | Misfit::Foreign) => {
-                let message = format!("naga has nothing that carries block `{}`", layout.name);
-                return Err(refuse(span, message)
-                    .help("no 64-bit or 16-bit numbers, or atomics, where naga takes the layout only as words"));
-            }
-        };
-        let runtime = structure.members.last().is_some_and(|m| matches!(m.ty, Ty::Array(_, None)));
-        let ty = match host.naga {
-            Some(ty) => ty,
-            None => {
-                let size = u32::try_from(size).unwrap_or(u32::MAX);
-                self.words(size, runtime, purpose)
-            }
-        };
-        let mut dims = Vec::new();
-        for len in &layout.count {
-            match len {
-                crate::ArrayLen::Fixed(len) => dims.push(*len),
-                crate::ArrayLen::Runtime | crate::ArrayLen::Override(_) => {
-                    return Err(refuse(span, "an array of blocks without a size cannot run"));
-                }
-            }
-        }
-        let count = dims.iter().try_fold(1u32, |all, len| all.checked_mul(*len));
-        let Some(count) = count.filter(|&count| count <= MOST_BLOCKS) else {
-            let message = format!("an array of more than {MOST_BLOCKS} blocks cannot run");
-            return Err(refuse(span, message));
-        };
-        let group = layout.group.unwrap_or(0);
-        let mut wanted = layout.binding;
-        let name = layout.instance.clone().unwrap_or_else(|| layout.name.clone());
-        let mut variables = Vec::new();
-        let memory = self.memories.len();
-        for element in 0..count {
-            let at = if purpose == Purpose::Immediate {
-                None
-            } else {
-                Some(self.bindings.claim(group, wanted))
-            };
-            // OpenGL gives the elements of an array of blocks bindings in a row.
-            wanted = wanted.and_then(|binding| binding.checked_add(1));
-            let variable = self.variable_in(space, &name, ty, at, span);
-            variables.push(variable);
-            let (group, binding) = at.unwrap_or((0, 0));
-            let element = block.is_some_and(|_| !dims.is_empty()).then_some(element);
-            let layout = layout.clone();
-            self.blocks.push(ModuleBlock { layout, group, binding, element, variable });
-            self.block_memory.push(memory);
-        }
-        let fours = purpose == Purpose::Uniform;
-        let writable = writable && purpose == Purpose::Storage;
-        self.memories.push(Memory { variables, dims, host, structure, writable, fours });
-        Ok(memory)
-    }
-
-    /// `in NAME { … } instance;`
-    fn interface_block(&mut self, block: &BlockDecl<'a>) -> R<()> {
-        if block.name.text == "gl_PerVertex" {
-            return Ok(());
-        }
-        let qualifiers = &block.qualifiers;
-        if !block.dims.is_empty() {
-            let message = "arrays of interface blocks belong to stages that cannot run";
-            return Err(refuse(block.name.span, message));
-        }
-        let output = qualifiers.storage == Storage::Out;
-        let mut next = self.layout_number(qualifiers, "location");
-        let mut fields = Vec::new();
-        for member in &block.members {
-            for declarator in &member.names {
-                let ty = self.global_type(&member.ty, &declarator.dims)?;
-                let own = self.layout_number(&member.qualifiers, "location");
-                let location = own.or(next);
-                next = location.map(|l| l + super::io::locations(&ty));
-                let name = declarator.name;
-                fields.push((Field { name: name.text.into(), ty }, name, location, member));
-            }
-        }
-        let Some(instance) = &block.instance else {
-            for (field, name, location, member) in fields {
-                let handle = self.private(name.text, &field.ty, name.span)?;
-                let path = format!("{}.{}", block.name.text, name.text);
-                let io = Io::new(&path, handle, field.ty.clone(), &member.qualifiers, output)
-                    .also(qualifiers)
-                    .at(location, None, name.span);
-                self.io.push(io);
-                let ty = field.ty;
-                self.declare_global(name.text, Global::Variable { handle, ty, writable: output });
-            }
-            return Ok(());
-        };
-        let members: Vec<Field> = fields.iter().map(|f| f.0.clone()).collect();
-        let structure = self.new_structure(block.name.text, members);
-        let ty = Ty::Struct(structure);
-        let handle = self.private(instance.text, &ty, block.name.span)?;
-        for (index, (field, name, location, member)) in fields.into_iter().enumerate() {
-            let path = format!("{}.{}", block.name.text, name.text);
-            let io = Io::new(&path, handle, field.ty, &member.qualifiers, output)
-                .also(qualifiers)
-                .member(index as u32)
-                .at(location, None, name.span);
-            self.io.push(io);
-        }
-        self.declare_global(instance.text, Global::Variable { handle, ty, writable: output });
         Ok(())
     }
 }

@@ -13,9 +13,6 @@ use crate::source::Span;
 /// Expressions nest this deep at most.
 const DEEPEST_EXPRESSION: u32 = 400;
 
-/// Statements nest this deep at most; `else if` nests.
-const DEEPEST_STATEMENT: u32 = 200;
-
 pub type Parsed<T> = Result<T, Box<Diagnostic>>;
 
 /// Reads a token at a time, with as much looking ahead as it takes.
@@ -29,7 +26,8 @@ pub struct Parser<'a, 't> {
     /// Structures being read, one inside the other.
     pub open_structures: u32,
     depth: u32,
-    statements: u32,
+    /// Statements being read, one inside the other.
+    pub statements: u32,
 }
 
 impl<'a, 't> Parser<'a, 't> {
@@ -74,7 +72,7 @@ impl<'a, 't> Parser<'a, 't> {
     }
 
     /// Whether these two stand here with nothing between: `+=`, `++`.
-    fn is_pair(&self, first: &str, second: &str) -> bool {
+    pub fn is_pair(&self, first: &str, second: &str) -> bool {
         let (a, b) = (self.token(), self.ahead(1));
         a.is(first) && b.is(second) && !b.spaced && (b.definition.is_some() || !b.first)
     }
@@ -108,7 +106,7 @@ impl<'a, 't> Parser<'a, 't> {
         start.to(self.tokens[self.at.saturating_sub(1).min(self.tokens.len() - 1)].span)
     }
 
-    fn expr(&self, kind: ExprKind<'a>, span: Span, below: u32) -> Parsed<Expr<'a>> {
+    pub fn expr(&self, kind: ExprKind<'a>, span: Span, below: u32) -> Parsed<Expr<'a>> {
         let depth = below + 1;
         if depth > DEEPEST_EXPRESSION {
             let message = format!("an expression nests more than {DEEPEST_EXPRESSION} deep");
@@ -368,181 +366,13 @@ impl<'a, 't> Parser<'a, 't> {
         Ok(items)
     }
 
-    /// Statements up to `}`, which is passed.
-    pub fn block(&mut self) -> Parsed<Vec<Statement<'a>>> {
-        let structures = self.structures.clone();
-        let mut statements = Vec::new();
-        while !self.eat("}") {
-            statements.push(self.statement()?);
-        }
-        self.structures = structures;
-        Ok(statements)
-    }
-
-    pub fn statement(&mut self) -> Parsed<Statement<'a>> {
-        self.statements += 1;
-        if self.statements > DEEPEST_STATEMENT {
-            let message = format!("statements nest more than {DEEPEST_STATEMENT} deep");
-            return Err(Box::new(Diagnostic::error("nested-too-deep", self.token().span, message)));
-        }
-        let start = self.token().span;
-        let kind = self.statement_kind()?;
-        self.statements -= 1;
-        Ok(Statement { kind, span: self.since(start) })
-    }
-
-    fn statement_kind(&mut self) -> Parsed<StatementKind<'a>> {
-        // GL_EXT_control_flow_attributes: `[[unroll]]`.
-        while self.is("[") && self.ahead(1).is("[") {
-            while !self.is("]") && self.token().kind != Kind::End {
-                self.bump();
-            }
-            self.expect("]")?;
-            self.expect("]")?;
-        }
-        let word = self.token().text;
-        match word {
-            ";" => {
-                self.bump();
-                Ok(StatementKind::Empty)
-            }
-            "{" => {
-                self.bump();
-                Ok(StatementKind::Block(self.block()?))
-            }
-            "if" => {
-                self.bump();
-                self.expect("(")?;
-                let condition = self.condition()?;
-                self.expect(")")?;
-                let accept = Box::new(self.statement()?);
-                let reject = match self.eat("else") {
-                    true => Some(Box::new(self.statement()?)),
-                    false => None,
-                };
-                Ok(StatementKind::If(condition, accept, reject))
-            }
-            "for" => self.for_loop(),
-            "while" => {
-                self.bump();
-                self.expect("(")?;
-                let condition = self.condition()?;
-                self.expect(")")?;
-                Ok(StatementKind::While(condition, Box::new(self.statement()?)))
-            }
-            "do" => {
-                self.bump();
-                let body = Box::new(self.statement()?);
-                self.expect("while")?;
-                self.expect("(")?;
-                let condition = self.expression()?;
-                self.expect(")")?;
-                self.expect(";")?;
-                Ok(StatementKind::DoWhile(body, condition))
-            }
-            "switch" => {
-                self.bump();
-                self.expect("(")?;
-                let selector = self.expression()?;
-                self.expect(")")?;
-                self.expect("{")?;
-                Ok(StatementKind::Switch(selector, self.block()?))
-            }
-            "case" => {
-                self.bump();
-                let label = self.expression()?;
-                self.expect(":")?;
-                Ok(StatementKind::Case(label))
-            }
-            "default" if self.ahead(1).is(":") => {
-                self.at += 2;
-                Ok(StatementKind::Default)
-            }
-            "break" => self.jump(StatementKind::Break),
-            "continue" => self.jump(StatementKind::Continue),
-            "discard" | "terminateInvocation" | "demote" => self.jump(StatementKind::Discard),
-            "return" => {
-                self.bump();
-                let value = if self.is(";") { None } else { Some(self.expression()?) };
-                self.expect(";")?;
-                Ok(StatementKind::Return(value))
-            }
-            "precision" => {
-                self.skip_to_semicolon();
-                Ok(StatementKind::Empty)
-            }
-            _ if self.begins_declaration() => {
-                let declaration = self.local_declaration()?;
-                Ok(declaration.map_or(StatementKind::Empty, StatementKind::Declaration))
-            }
-            _ => {
-                let expression = self.expression()?;
-                self.expect(";")?;
-                Ok(StatementKind::Expression(expression))
-            }
-        }
-    }
-
-    pub fn skip_to_semicolon(&mut self) {
-        while !self.is(";") && self.token().kind != Kind::End {
-            self.bump();
-        }
-        self.eat(";");
-    }
-
-    fn jump(&mut self, kind: StatementKind<'a>) -> Parsed<StatementKind<'a>> {
-        self.bump();
-        self.expect(";")?;
-        Ok(kind)
-    }
-
-    fn for_loop(&mut self) -> Parsed<StatementKind<'a>> {
-        self.bump();
-        self.expect("(")?;
-        let init = self.statement()?;
-        let condition = if self.is(";") { None } else { Some(self.condition()?) };
-        self.expect(";")?;
-        let step = if self.is(")") { None } else { Some(self.expression()?) };
-        self.expect(")")?;
-        let body = self.statement()?;
-        Ok(StatementKind::For(Box::new(For { init, condition, step, body })))
-    }
-
-    fn condition(&mut self) -> Parsed<Condition<'a>> {
-        if !self.begins_declaration() {
-            return Ok(Condition::Expression(self.expression()?));
-        }
-        let qualifiers = self.qualifiers()?;
-        let ty = self.type_spec()?;
-        let name = self.name()?;
-        self.expect("=")?;
-        let init = Some(self.assignment()?);
-        let names = vec![Declarator { name, dims: Vec::new(), init }];
-        Ok(Condition::Declaration(Declaration { qualifiers, ty, names }))
-    }
-
-    /// Whether a declaration stands here, not an expression.
-    fn begins_declaration(&self) -> bool {
-        let token = self.token();
-        if token.kind != Kind::Name {
-            return false;
-        }
-        if self.stands_qualifier() || token.is("struct") {
-            return true;
-        }
-        if builtin(token.text).is_none() && !self.structures.contains(token.text) {
-            return token.kind == Kind::Name && self.ahead(1).kind == Kind::Name;
-        }
-        self.ahead(self.past_dims(1)).kind == Kind::Name
-    }
-
     /// Whether `NAME[…]` here goes on with the `(` of a constructor.
-    fn constructs_array(&self) -> bool {
+    pub fn constructs_array(&self) -> bool {
         self.ahead(self.past_dims(1)).is("(")
     }
 
     /// How far ahead the first token past all `[…]` is.
-    fn past_dims(&self, mut ahead: usize) -> usize {
+    pub fn past_dims(&self, mut ahead: usize) -> usize {
         while self.ahead(ahead).is("[") {
             let mut depth = 0u32;
             loop {

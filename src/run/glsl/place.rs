@@ -4,15 +4,12 @@
 
 use std::rc::Rc;
 
-use naga::{BinaryOperator, Expression, Handle, Statement};
+use naga::{BinaryOperator, Expression, Handle};
 
 use super::body::{Body, Val};
-use super::host::{Host, HostKind, stored_vector, transposed};
+use super::host::{Host, HostKind};
 use super::types::{Kind, Structure, Ty, carried, vector_size};
 use super::{Lowerer, R};
-
-/// Arrays longer than this are copied by a loop.
-const LONGEST_UNROLLED: u32 = 8;
 
 /// Where a value is kept.
 #[derive(Clone, Debug)]
@@ -93,7 +90,7 @@ pub fn selection(name: &str, size: usize) -> Option<Vec<u8>> {
 
 impl Address {
     /// So many bytes further on, in words.
-    fn further(&self, bytes: u32) -> Address {
+    pub fn further(&self, bytes: u32) -> Address {
         match self {
             Address::Words { block, fours, fixed, dynamic } => Address::Words {
                 block: *block,
@@ -107,7 +104,7 @@ impl Address {
 }
 
 impl Body<'_, '_> {
-    fn at(&mut self, base: Handle<Expression>, index: Index) -> Handle<Expression> {
+    pub fn at(&mut self, base: Handle<Expression>, index: Index) -> Handle<Expression> {
         match index {
             Index::Fixed(index) => self.add(Expression::AccessIndex { base, index }),
             Index::Dynamic(index) => self.add(Expression::Access { base, index }),
@@ -115,12 +112,12 @@ impl Body<'_, '_> {
     }
 
     /// The address of an element at a stride; a pointer goes to the element itself.
-    fn step(&mut self, at: &Address, index: Index, stride: u32) -> Address {
+    pub fn step(&mut self, at: &Address, index: Index, stride: u32) -> Address {
         match (at, index) {
             (Address::Pointer(pointer), index) => Address::Pointer(self.at(*pointer, index)),
             (Address::Words { .. }, Index::Fixed(i)) => at.further(i.saturating_mul(stride)),
             (Address::Words { block, fours, fixed, dynamic }, Index::Dynamic(index)) => {
-                let index = self.to_u32(index);
+                let index = self.unsigned_index(index);
                 let stride = self.u32(stride);
                 let mut bytes = self.binary(BinaryOperator::Multiply, index, stride);
                 if let Some(dynamic) = dynamic {
@@ -133,7 +130,7 @@ impl Body<'_, '_> {
     }
 
     /// An index as `u32`; it is `i32` or `u32`, which a conversion leaves or takes as bits.
-    fn to_u32(&mut self, index: Handle<Expression>) -> Handle<Expression> {
+    pub fn unsigned_index(&mut self, index: Handle<Expression>) -> Handle<Expression> {
         let kind = naga::ScalarKind::Uint;
         self.add(Expression::As { expr: index, kind, convert: Some(4) })
     }
@@ -280,40 +277,6 @@ impl Body<'_, '_> {
         Ok(Place { ty, swizzle: Some((whole, picks)), writable, ..place.clone() })
     }
 
-    /// The value there.
-    pub fn load(&mut self, place: &Place) -> R<Val> {
-        if let Some((size, picks)) = &place.swizzle {
-            let kind = place.ty.kind().unwrap_or(Kind::Float);
-            let whole = Place { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
-            let vector = self.load(&whole)?;
-            return self.select(&vector, picks);
-        }
-        match &place.mem {
-            Mem::Own(pointer) => {
-                if place.ty.has_opaque() && !super::types::holds_values(&place.ty) {
-                    return self.refuse(format!("a `{}` has no value", place.ty));
-                }
-                let expr = self.add(Expression::Load { pointer: *pointer });
-                Ok(Val { expr, ty: place.ty.clone() })
-            }
-            Mem::Host(at, host) => self.load_host(at, host),
-            Mem::Column(at, host, column) => {
-                let (_, rows) = stored_vector(&host.ty, true);
-                let mut components = Vec::new();
-                for row in 0..u32::from(rows) {
-                    let column = Place::new(
-                        Mem::Column(at.clone(), host.clone(), *column),
-                        place.ty.clone(),
-                    );
-                    let part = self.element_of(&column, Index::Fixed(row))?;
-                    components.push(self.load(&part)?.expr);
-                }
-                self.compose(&place.ty, components)
-            }
-            Mem::Nothing => self.refuse(format!("a `{}` has no value", place.ty)),
-        }
-    }
-
     /// Components of a vector, or a scalar several times.
     pub fn select(&mut self, vector: &Val, picks: &[u8]) -> R<Val> {
         use naga::SwizzleComponent as C;
@@ -343,284 +306,9 @@ impl Body<'_, '_> {
         Ok(Val { expr, ty: Ty::Vector(kind, size) })
     }
 
-    fn load_host(&mut self, at: &Address, host: &Rc<Host>) -> R<Val> {
-        if let (Address::Pointer(pointer), Some(naga)) = (at, host.naga) {
-            let runtime = matches!(host.ty, Ty::Array(_, None));
-            if !runtime && !host.ty.has_opaque() && self.cx.carrier(&host.ty, self.span)? == naga {
-                let expr = self.add(Expression::Load { pointer: *pointer });
-                return Ok(Val { expr, ty: host.ty.clone() });
-            }
-        }
-        match &host.kind {
-            HostKind::Leaf | HostKind::Atomic => self.load_leaf(at, &host.ty),
-            HostKind::Matrix { stride, row_major, plain } => {
-                if let (Address::Pointer(pointer), true) = (at, plain) {
-                    let expr = self.add(Expression::Load { pointer: *pointer });
-                    return Ok(Val { expr, ty: host.ty.clone() });
-                }
-                let (vector, count) = stored_vector(&host.ty, *row_major);
-                let mut vectors = Vec::new();
-                for i in 0..u32::from(count) {
-                    let at = self.step(at, Index::Fixed(i), *stride);
-                    vectors.push(self.load_leaf(&at, &vector)?.expr);
-                }
-                if !row_major {
-                    return self.compose(&host.ty, vectors);
-                }
-                let rows = self.compose(&transposed(&host.ty), vectors)?;
-                Ok(Val { expr: self.transpose(rows.expr), ty: host.ty.clone() })
-            }
-            HostKind::Array { element, stride, len } => {
-                let Some(len) = *len else {
-                    return self.refuse("a runtime-sized array is no value");
-                };
-                if len > LONGEST_UNROLLED {
-                    let local = self.local("", &host.ty)?;
-                    let pointer = self.local_pointer(local);
-                    let count = self.u32(len);
-                    self.repeat(count, |this, index| {
-                        let at = this.step(at, Index::Dynamic(index), *stride);
-                        let value = this.load_host(&at, element)?.expr;
-                        let pointer = this.at(pointer, Index::Dynamic(index));
-                        this.statement(Statement::Store { pointer, value });
-                        Ok(())
-                    })?;
-                    let expr = self.add(Expression::Load { pointer });
-                    return Ok(Val { expr, ty: host.ty.clone() });
-                }
-                let mut components = Vec::new();
-                for i in 0..len {
-                    let at = self.step(at, Index::Fixed(i), *stride);
-                    components.push(self.load_host(&at, element)?.expr);
-                }
-                self.compose(&host.ty, components)
-            }
-            HostKind::Struct(members) => {
-                let Ty::Struct(structure) = &host.ty else {
-                    return self.refuse("a block holds no structure here");
-                };
-                let mut components = Vec::new();
-                for field in carried(structure) {
-                    let Some(member) = members.iter().find(|m| m.name == field.name) else {
-                        return self.refuse(format!("`{}` has no place in its block", field.name));
-                    };
-                    let at = match at {
-                        Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
-                        words @ Address::Words { .. } => words.further(member.offset),
-                    };
-                    components.push(self.load_host(&at, &member.host)?.expr);
-                }
-                self.compose(&host.ty, components)
-            }
-        }
-    }
-
-    fn load_leaf(&mut self, at: &Address, ty: &Ty) -> R<Val> {
-        let Some((kind, size)) = ty.components() else {
-            let Address::Pointer(pointer) = at else {
-                return self.refuse(format!("a `{ty}` is no word"));
-            };
-            let expr = self.add(Expression::Load { pointer: *pointer });
-            return Ok(Val { expr, ty: ty.clone() });
-        };
-        let expr = match at {
-            Address::Pointer(pointer) => self.add(Expression::Load { pointer: *pointer }),
-            Address::Words { .. } => {
-                let mut words = Vec::new();
-                for i in 0..u32::from(size) {
-                    let pointer = self.word(&at.further(4 * i));
-                    words.push(self.add(Expression::Load { pointer }));
-                }
-                let words = match &words[..] {
-                    [word] => *word,
-                    _ => self.compose(&ty.with_kind(Kind::Uint), words)?.expr,
-                };
-                match kind {
-                    Kind::Bool | Kind::Uint => words,
-                    _ => {
-                        let kind = kind.scalar().kind;
-                        self.add(Expression::As { expr: words, kind, convert: None })
-                    }
-                }
-            }
-        };
-        if kind != Kind::Bool {
-            return Ok(Val { expr, ty: ty.clone() });
-        }
-        let zero = self.number(Kind::Uint, 0.0);
-        let zero = self.splat(&zero, size)?;
-        let expr = self.binary(BinaryOperator::NotEqual, expr, zero.expr);
-        Ok(Val { expr, ty: ty.clone() })
-    }
-
-    /// A pointer to the word at an address.
-    fn word(&mut self, at: &Address) -> Handle<Expression> {
-        let Address::Words { block, fours, fixed, dynamic } = at else {
-            unreachable!("only blocks of words have words");
-        };
-        let array = self.part(*block, 0);
-        let Some(dynamic) = dynamic else {
-            if *fours {
-                let four = self.part(array, fixed / 16);
-                return self.part(four, fixed / 4 % 4);
-            }
-            return self.part(array, fixed / 4);
-        };
-        let fixed = self.u32(*fixed);
-        let bytes = self.binary(BinaryOperator::Add, *dynamic, fixed);
-        let two = self.u32(2);
-        let word = self.binary(BinaryOperator::ShiftRight, bytes, two);
-        if !*fours {
-            return self.add(Expression::Access { base: array, index: word });
-        }
-        let (four, three) = (self.u32(2), self.u32(3));
-        let four = self.binary(BinaryOperator::ShiftRight, word, four);
-        let base = self.add(Expression::Access { base: array, index: four });
-        let index = self.binary(BinaryOperator::And, word, three);
-        self.add(Expression::Access { base, index })
-    }
-
     pub fn transpose(&mut self, matrix: Handle<Expression>) -> Handle<Expression> {
         let fun = naga::MathFunction::Transpose;
         self.add(Expression::Math { fun, arg: matrix, arg1: None, arg2: None, arg3: None })
-    }
-
-    /// Puts a value of the place's type there.
-    pub fn store(&mut self, place: &Place, value: &Val) -> R<()> {
-        if !place.writable {
-            return self.refuse("what is on the left cannot be written");
-        }
-        if let Some((size, picks)) = &place.swizzle {
-            let kind = place.ty.kind().unwrap_or(Kind::Float);
-            let whole = Place { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
-            for (i, &pick) in picks.iter().enumerate() {
-                let part = self.element_of(&whole, Index::Fixed(pick.into()))?;
-                let component = self.select(value, &[i as u8])?;
-                self.store(&part, &component)?;
-            }
-            return Ok(());
-        }
-        match &place.mem {
-            Mem::Own(pointer) => {
-                self.statement(Statement::Store { pointer: *pointer, value: value.expr });
-                Ok(())
-            }
-            Mem::Host(at, host) => self.store_host(at, host, value.expr),
-            Mem::Column(at, host, column) => {
-                let (_, rows) = stored_vector(&host.ty, true);
-                for row in 0..rows {
-                    let mem = Mem::Column(at.clone(), host.clone(), *column);
-                    let column = Place::new(mem, place.ty.clone());
-                    let part = self.element_of(&column, Index::Fixed(row.into()))?;
-                    let component = self.select(value, &[row])?;
-                    self.store(&part, &component)?;
-                }
-                Ok(())
-            }
-            Mem::Nothing => self.refuse(format!("a `{}` cannot be written", place.ty)),
-        }
-    }
-
-    fn store_host(&mut self, at: &Address, host: &Rc<Host>, value: Handle<Expression>) -> R<()> {
-        if let (Address::Pointer(pointer), Some(naga)) = (at, host.naga) {
-            let runtime = matches!(host.ty, Ty::Array(_, None));
-            if !runtime && self.cx.carrier(&host.ty, self.span)? == naga {
-                self.statement(Statement::Store { pointer: *pointer, value });
-                return Ok(());
-            }
-        }
-        match &host.kind {
-            HostKind::Leaf | HostKind::Atomic => self.store_leaf(at, &host.ty, value),
-            HostKind::Matrix { stride, row_major, plain } => {
-                if let (Address::Pointer(pointer), true) = (at, plain) {
-                    self.statement(Statement::Store { pointer: *pointer, value });
-                    return Ok(());
-                }
-                let vectors = if *row_major { self.transpose(value) } else { value };
-                let (vector, count) = stored_vector(&host.ty, *row_major);
-                for i in 0..u32::from(count) {
-                    let at = self.step(at, Index::Fixed(i), *stride);
-                    let part = self.part(vectors, i);
-                    self.store_leaf(&at, &vector, part)?;
-                }
-                Ok(())
-            }
-            HostKind::Array { element, stride, len } => {
-                let Some(len) = *len else {
-                    return self.refuse("a runtime-sized array cannot be written as a whole");
-                };
-                if len > LONGEST_UNROLLED {
-                    let from = self.spill(&Val { expr: value, ty: host.ty.clone() })?;
-                    let count = self.u32(len);
-                    return self.repeat(count, |this, index| {
-                        let from = this.element_of(&from, Index::Dynamic(index))?;
-                        let value = this.load(&from)?;
-                        let at = this.step(at, Index::Dynamic(index), *stride);
-                        this.store_host(&at, element, value.expr)
-                    });
-                }
-                for i in 0..len {
-                    let at = self.step(at, Index::Fixed(i), *stride);
-                    let part = self.part(value, i);
-                    self.store_host(&at, element, part)?;
-                }
-                Ok(())
-            }
-            HostKind::Struct(members) => {
-                let Ty::Struct(structure) = &host.ty else {
-                    return self.refuse("a block holds no structure here");
-                };
-                for (i, field) in carried(structure).enumerate() {
-                    let Some(member) = members.iter().find(|m| m.name == field.name) else {
-                        return self.refuse(format!("`{}` has no place in its block", field.name));
-                    };
-                    let at = match at {
-                        Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
-                        words @ Address::Words { .. } => words.further(member.offset),
-                    };
-                    let part = self.part(value, i as u32);
-                    self.store_host(&at, &member.host, part)?;
-                }
-                Ok(())
-            }
-        }
-    }
-
-    fn store_leaf(&mut self, at: &Address, ty: &Ty, value: Handle<Expression>) -> R<()> {
-        let Some((kind, size)) = ty.components() else {
-            let Address::Pointer(pointer) = at else {
-                return self.refuse(format!("a `{ty}` is no word"));
-            };
-            self.statement(Statement::Store { pointer: *pointer, value });
-            return Ok(());
-        };
-        let mut value = value;
-        if kind == Kind::Bool {
-            let (one, zero) = (self.number(Kind::Uint, 1.0), self.number(Kind::Uint, 0.0));
-            let (one, zero) = (self.splat(&one, size)?, self.splat(&zero, size)?);
-            value = self.add(Expression::Select {
-                condition: value,
-                accept: one.expr,
-                reject: zero.expr,
-            });
-        }
-        match at {
-            Address::Pointer(pointer) => {
-                self.statement(Statement::Store { pointer: *pointer, value });
-            }
-            Address::Words { .. } => {
-                if !matches!(kind, Kind::Bool | Kind::Uint) {
-                    let kind = naga::ScalarKind::Uint;
-                    value = self.add(Expression::As { expr: value, kind, convert: None });
-                }
-                for i in 0..size {
-                    let word = if size == 1 { value } else { self.part(value, i.into()) };
-                    let pointer = self.word(&at.further(4 * u32::from(i)));
-                    self.statement(Statement::Store { pointer, value: word });
-                }
-            }
-        }
-        Ok(())
     }
 
     /// The number of elements behind a place of a runtime-sized array, as `int`.

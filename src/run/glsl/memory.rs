@@ -1,0 +1,410 @@
+//! Loads and stores: values out of places and into them.
+//!
+//! What a block holds is in [`host`](super::host) memory, which may be other types than its
+//! values', or words: this turns one into the other.
+
+use std::rc::Rc;
+
+use naga::{BinaryOperator, Expression, Handle, Statement};
+
+use super::R;
+use super::body::{Body, Val};
+use super::host::{Host, HostKind, stored_vector, transposed};
+use super::place::{Address, Index, Mem, Place};
+use super::types::{Kind, Ty, carried};
+
+/// Arrays longer than this are copied by a loop.
+const LONGEST_UNROLLED: u32 = 8;
+
+/// Values copied one by one, at most.
+const MOST_COPIED: u64 = 4096;
+
+impl Body<'_, '_> {
+    /// The value there.
+    pub fn load(&mut self, place: &Place) -> R<Val> {
+        if let Some((size, picks)) = &place.swizzle {
+            let kind = place.ty.kind().unwrap_or(Kind::Float);
+            let whole = Place { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            let vector = self.load(&whole)?;
+            return self.select(&vector, picks);
+        }
+        match &place.mem {
+            Mem::Own(pointer) => {
+                if place.ty.has_opaque() && !super::types::holds_values(&place.ty) {
+                    return self.refuse(format!("a `{}` has no value", place.ty));
+                }
+                let expr = self.add(Expression::Load { pointer: *pointer });
+                Ok(Val { expr, ty: place.ty.clone() })
+            }
+            Mem::Host(at, host) => {
+                self.check_copied(&place.ty)?;
+                self.load_host(at, host)
+            }
+            Mem::Column(at, host, column) => {
+                let (_, rows) = stored_vector(&host.ty, true);
+                let mut components = Vec::new();
+                for row in 0..u32::from(rows) {
+                    let column = Place::new(
+                        Mem::Column(at.clone(), host.clone(), *column),
+                        place.ty.clone(),
+                    );
+                    let part = self.element_of(&column, Index::Fixed(row))?;
+                    components.push(self.load(&part)?.expr);
+                }
+                self.compose(&place.ty, components)
+            }
+            Mem::Nothing => self.refuse(format!("a `{}` has no value", place.ty)),
+        }
+    }
+
+    fn check_copied(&self, ty: &Ty) -> R<()> {
+        if copied(ty) > MOST_COPIED {
+            return self.refuse(format!("values of `{ty}` are too large to be copied as a whole"));
+        }
+        Ok(())
+    }
+
+    pub fn load_host(&mut self, at: &Address, host: &Rc<Host>) -> R<Val> {
+        if let (Address::Pointer(pointer), Some(naga)) = (at, host.naga) {
+            let runtime = matches!(host.ty, Ty::Array(_, None));
+            if !runtime && !host.ty.has_opaque() && self.cx.carrier(&host.ty, self.span)? == naga {
+                let expr = self.add(Expression::Load { pointer: *pointer });
+                return Ok(Val { expr, ty: host.ty.clone() });
+            }
+        }
+        match &host.kind {
+            HostKind::Leaf | HostKind::Atomic => self.load_leaf(at, &host.ty),
+            HostKind::Matrix { stride, row_major, plain } => {
+                if let (Address::Pointer(pointer), true) = (at, plain) {
+                    let expr = self.add(Expression::Load { pointer: *pointer });
+                    return Ok(Val { expr, ty: host.ty.clone() });
+                }
+                let (vector, count) = stored_vector(&host.ty, *row_major);
+                let mut vectors = Vec::new();
+                for i in 0..u32::from(count) {
+                    let at = self.step(at, Index::Fixed(i), *stride);
+                    vectors.push(self.load_leaf(&at, &vector)?.expr);
+                }
+                if !row_major {
+                    return self.compose(&host.ty, vectors);
+                }
+                let rows = self.compose(&transposed(&host.ty), vectors)?;
+                Ok(Val { expr: self.transpose(rows.expr), ty: host.ty.clone() })
+            }
+            HostKind::Array { element, stride, len } => {
+                let Some(len) = *len else {
+                    return self.refuse("a runtime-sized array is no value");
+                };
+                if len > LONGEST_UNROLLED {
+                    let local = self.local("", &host.ty)?;
+                    let pointer = self.local_pointer(local);
+                    let count = self.u32(len);
+                    self.repeat(count, |this, index| {
+                        let at = this.step(at, Index::Dynamic(index), *stride);
+                        let value = this.load_host(&at, element)?.expr;
+                        let pointer = this.at(pointer, Index::Dynamic(index));
+                        this.statement(Statement::Store { pointer, value });
+                        Ok(())
+                    })?;
+                    let expr = self.add(Expression::Load { pointer });
+                    return Ok(Val { expr, ty: host.ty.clone() });
+                }
+                let mut components = Vec::new();
+                for i in 0..len {
+                    let at = self.step(at, Index::Fixed(i), *stride);
+                    components.push(self.load_host(&at, element)?.expr);
+                }
+                self.compose(&host.ty, components)
+            }
+            HostKind::Struct(members) => {
+                let Ty::Struct(structure) = &host.ty else {
+                    return self.refuse("a block holds no structure here");
+                };
+                let mut components = Vec::new();
+                for field in carried(structure) {
+                    let Some(member) = members.iter().find(|m| m.name == field.name) else {
+                        return self.refuse(format!("`{}` has no place in its block", field.name));
+                    };
+                    let at = match at {
+                        Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
+                        words @ Address::Words { .. } => words.further(member.offset),
+                    };
+                    components.push(self.load_host(&at, &member.host)?.expr);
+                }
+                self.compose(&host.ty, components)
+            }
+        }
+    }
+
+    fn load_leaf(&mut self, at: &Address, ty: &Ty) -> R<Val> {
+        let Some((kind, size)) = ty.components() else {
+            let Address::Pointer(pointer) = at else {
+                return self.refuse(format!("a `{ty}` is no word"));
+            };
+            let expr = self.add(Expression::Load { pointer: *pointer });
+            return Ok(Val { expr, ty: ty.clone() });
+        };
+        let expr = match at {
+            Address::Pointer(pointer) => self.add(Expression::Load { pointer: *pointer }),
+            Address::Words { .. } if kind.scalar().width == 8 => {
+                let mut parts = Vec::new();
+                for i in 0..u32::from(size) {
+                    parts.push(self.load_wide(&at.further(8 * i), kind));
+                }
+                match &parts[..] {
+                    [part] => *part,
+                    _ => self.compose(ty, parts)?.expr,
+                }
+            }
+            Address::Words { .. } => {
+                let mut words = Vec::new();
+                for i in 0..u32::from(size) {
+                    let pointer = self.word(&at.further(4 * i));
+                    words.push(self.add(Expression::Load { pointer }));
+                }
+                let words = match &words[..] {
+                    [word] => *word,
+                    _ => self.compose(&ty.with_kind(Kind::Uint), words)?.expr,
+                };
+                match kind {
+                    Kind::Bool | Kind::Uint => words,
+                    _ => {
+                        let kind = kind.scalar().kind;
+                        self.add(Expression::As { expr: words, kind, convert: None })
+                    }
+                }
+            }
+        };
+        if kind != Kind::Bool {
+            return Ok(Val { expr, ty: ty.clone() });
+        }
+        let zero = self.number(Kind::Uint, 0.0);
+        let zero = self.splat(&zero, size)?;
+        let expr = self.binary(BinaryOperator::NotEqual, expr, zero.expr);
+        Ok(Val { expr, ty: ty.clone() })
+    }
+
+    /// A scalar of 8 bytes, of two words.
+    fn load_wide(&mut self, at: &Address, kind: Kind) -> Handle<Expression> {
+        let uint = naga::ScalarKind::Uint;
+        let mut halves = Vec::new();
+        for i in 0..2 {
+            let pointer = self.word(&at.further(4 * i));
+            let expr = self.add(Expression::Load { pointer });
+            halves.push(self.add(Expression::As { expr, kind: uint, convert: Some(8) }));
+        }
+        let by = self.u32(32);
+        let high = self.binary(BinaryOperator::ShiftLeft, halves[1], by);
+        let expr = self.binary(BinaryOperator::InclusiveOr, halves[0], high);
+        match kind {
+            Kind::Ulong => expr,
+            _ => self.add(Expression::As { expr, kind: kind.scalar().kind, convert: None }),
+        }
+    }
+
+    fn store_wide(&mut self, at: &Address, kind: Kind, value: Handle<Expression>) {
+        let uint = naga::ScalarKind::Uint;
+        let bits = match kind {
+            Kind::Ulong => value,
+            _ => self.add(Expression::As { expr: value, kind: uint, convert: None }),
+        };
+        let by = self.u32(32);
+        let high = self.binary(BinaryOperator::ShiftRight, bits, by);
+        for (i, half) in [(0, bits), (1, high)] {
+            let value = self.add(Expression::As { expr: half, kind: uint, convert: Some(4) });
+            let pointer = self.word(&at.further(4 * i));
+            self.statement(Statement::Store { pointer, value });
+        }
+    }
+
+    /// A pointer to the word at an address.
+    pub fn word(&mut self, at: &Address) -> Handle<Expression> {
+        let Address::Words { block, fours, fixed, dynamic } = at else {
+            unreachable!("only blocks of words have words");
+        };
+        let array = self.part(*block, 0);
+        let Some(dynamic) = dynamic else {
+            if *fours {
+                let four = self.part(array, fixed / 16);
+                return self.part(four, fixed / 4 % 4);
+            }
+            return self.part(array, fixed / 4);
+        };
+        let fixed = self.u32(*fixed);
+        let bytes = self.binary(BinaryOperator::Add, *dynamic, fixed);
+        let two = self.u32(2);
+        let word = self.binary(BinaryOperator::ShiftRight, bytes, two);
+        if !*fours {
+            return self.add(Expression::Access { base: array, index: word });
+        }
+        let (four, three) = (self.u32(2), self.u32(3));
+        let four = self.binary(BinaryOperator::ShiftRight, word, four);
+        let base = self.add(Expression::Access { base: array, index: four });
+        let index = self.binary(BinaryOperator::And, word, three);
+        self.add(Expression::Access { base, index })
+    }
+
+    /// Puts a value of the place's type there.
+    pub fn store(&mut self, place: &Place, value: &Val) -> R<()> {
+        if !place.writable {
+            return self.refuse("what is on the left cannot be written");
+        }
+        if let Some((size, picks)) = &place.swizzle {
+            let kind = place.ty.kind().unwrap_or(Kind::Float);
+            let whole = Place { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            for (i, &pick) in picks.iter().enumerate() {
+                let part = self.element_of(&whole, Index::Fixed(pick.into()))?;
+                let component = self.select(value, &[i as u8])?;
+                self.store(&part, &component)?;
+            }
+            return Ok(());
+        }
+        match &place.mem {
+            Mem::Own(pointer) => {
+                self.statement(Statement::Store { pointer: *pointer, value: value.expr });
+                Ok(())
+            }
+            Mem::Host(at, host) => {
+                self.check_copied(&place.ty)?;
+                self.store_host(at, host, value.expr)
+            }
+            Mem::Column(at, host, column) => {
+                let (_, rows) = stored_vector(&host.ty, true);
+                for row in 0..rows {
+                    let mem = Mem::Column(at.clone(), host.clone(), *column);
+                    let column = Place::new(mem, place.ty.clone());
+                    let part = self.element_of(&column, Index::Fixed(row.into()))?;
+                    let component = self.select(value, &[row])?;
+                    self.store(&part, &component)?;
+                }
+                Ok(())
+            }
+            Mem::Nothing => self.refuse(format!("a `{}` cannot be written", place.ty)),
+        }
+    }
+
+    pub fn store_host(
+        &mut self,
+        at: &Address,
+        host: &Rc<Host>,
+        value: Handle<Expression>,
+    ) -> R<()> {
+        if let (Address::Pointer(pointer), Some(naga)) = (at, host.naga) {
+            let runtime = matches!(host.ty, Ty::Array(_, None));
+            if !runtime && self.cx.carrier(&host.ty, self.span)? == naga {
+                self.statement(Statement::Store { pointer: *pointer, value });
+                return Ok(());
+            }
+        }
+        match &host.kind {
+            HostKind::Leaf | HostKind::Atomic => self.store_leaf(at, &host.ty, value),
+            HostKind::Matrix { stride, row_major, plain } => {
+                if let (Address::Pointer(pointer), true) = (at, plain) {
+                    self.statement(Statement::Store { pointer: *pointer, value });
+                    return Ok(());
+                }
+                let vectors = if *row_major { self.transpose(value) } else { value };
+                let (vector, count) = stored_vector(&host.ty, *row_major);
+                for i in 0..u32::from(count) {
+                    let at = self.step(at, Index::Fixed(i), *stride);
+                    let part = self.part(vectors, i);
+                    self.store_leaf(&at, &vector, part)?;
+                }
+                Ok(())
+            }
+            HostKind::Array { element, stride, len } => {
+                let Some(len) = *len else {
+                    return self.refuse("a runtime-sized array cannot be written as a whole");
+                };
+                if len > LONGEST_UNROLLED {
+                    let from = self.spill(&Val { expr: value, ty: host.ty.clone() })?;
+                    let count = self.u32(len);
+                    return self.repeat(count, |this, index| {
+                        let from = this.element_of(&from, Index::Dynamic(index))?;
+                        let value = this.load(&from)?;
+                        let at = this.step(at, Index::Dynamic(index), *stride);
+                        this.store_host(&at, element, value.expr)
+                    });
+                }
+                for i in 0..len {
+                    let at = self.step(at, Index::Fixed(i), *stride);
+                    let part = self.part(value, i);
+                    self.store_host(&at, element, part)?;
+                }
+                Ok(())
+            }
+            HostKind::Struct(members) => {
+                let Ty::Struct(structure) = &host.ty else {
+                    return self.refuse("a block holds no structure here");
+                };
+                for (i, field) in carried(structure).enumerate() {
+                    let Some(member) = members.iter().find(|m| m.name == field.name) else {
+                        return self.refuse(format!("`{}` has no place in its block", field.name));
+                    };
+                    let at = match at {
+                        Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
+                        words @ Address::Words { .. } => words.further(member.offset),
+                    };
+                    let part = self.part(value, i as u32);
+                    self.store_host(&at, &member.host, part)?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn store_leaf(&mut self, at: &Address, ty: &Ty, value: Handle<Expression>) -> R<()> {
+        let Some((kind, size)) = ty.components() else {
+            let Address::Pointer(pointer) = at else {
+                return self.refuse(format!("a `{ty}` is no word"));
+            };
+            self.statement(Statement::Store { pointer: *pointer, value });
+            return Ok(());
+        };
+        let mut value = value;
+        if kind == Kind::Bool {
+            let (one, zero) = (self.number(Kind::Uint, 1.0), self.number(Kind::Uint, 0.0));
+            let (one, zero) = (self.splat(&one, size)?, self.splat(&zero, size)?);
+            value = self.add(Expression::Select {
+                condition: value,
+                accept: one.expr,
+                reject: zero.expr,
+            });
+        }
+        match at {
+            Address::Pointer(pointer) => {
+                self.statement(Statement::Store { pointer: *pointer, value });
+            }
+            Address::Words { .. } if kind.scalar().width == 8 => {
+                for i in 0..size {
+                    let part = if size == 1 { value } else { self.part(value, i.into()) };
+                    self.store_wide(&at.further(8 * u32::from(i)), kind, part);
+                }
+            }
+            Address::Words { .. } => {
+                if !matches!(kind, Kind::Bool | Kind::Uint) {
+                    let kind = naga::ScalarKind::Uint;
+                    value = self.add(Expression::As { expr: value, kind, convert: None });
+                }
+                for i in 0..size {
+                    let word = if size == 1 { value } else { self.part(value, i.into()) };
+                    let pointer = self.word(&at.further(4 * u32::from(i)));
+                    self.statement(Statement::Store { pointer, value: word });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Values that are copied one by one when a value is, a loop's counted once.
+fn copied(ty: &Ty) -> u64 {
+    match ty {
+        Ty::Array(element, len) => {
+            let unrolled = len.filter(|&len| len <= LONGEST_UNROLLED).unwrap_or(1);
+            copied(element).saturating_mul(unrolled.into())
+        }
+        Ty::Struct(s) => s.members.iter().fold(0u64, |sum, m| sum.saturating_add(copied(&m.ty))),
+        Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Matrix(..) | Ty::Opaque(_) => 1,
+    }
+}
