@@ -4,14 +4,12 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use landfall::buffer::Buffer;
 use landfall::run::Module;
 use landfall::run::eval::{Cpu, Precision, Settings};
-use landfall::run::reader::{
-    Answer, Grid, Job, Reader, Resource, ResourceKind, StageCode, Texel,
-};
+use landfall::run::reader::{Answer, Grid, Job, Reader, Resource, ResourceKind, StageCode, Texel};
 use landfall::source::{Source, Stage};
 use landfall::{Options, layout};
-use landfall::buffer::Buffer;
 
 mod measure;
 

@@ -112,15 +112,17 @@ impl Program {
                 }
             }
             m.invoke(number, self.starts[number as usize], mask(lanes))?;
-            let returned = code.arguments.iter().map(|argument| {
-                argument.pointer.then(|| Numbers::read(m, &argument.regs, lanes))
-            });
+            let returned = code
+                .arguments
+                .iter()
+                .map(|argument| argument.pointer.then(|| Numbers::read(m, &argument.regs, lanes)));
             let returned = returned.collect();
             let result = Numbers::read(m, &code.result, lanes);
             let discarded = (0..lanes).map(|lane| m.killed >> lane & 1 == 1).collect();
             Ok(Called { result, returned, discarded, ..Called::default() })
         })?;
-        let mut called = Called { notes: outcome.notes, buffers: outcome.left, ..Called::default() };
+        let mut called =
+            Called { notes: outcome.notes, buffers: outcome.left, ..Called::default() };
         for batch in outcome.results {
             called.discarded.extend(batch.discarded);
             called.result.append(batch.result);

@@ -490,7 +490,10 @@ pub(super) struct Dynamic {
 pub(super) enum Bound {
     Known(u32),
     /// As many as the buffer has room for: elements from `offset`, `stride` bytes each.
-    Runtime { offset: u32, stride: u32 },
+    Runtime {
+        offset: u32,
+        stride: u32,
+    },
 }
 
 /// An access by computed indices; they are the head registers of its instruction.

@@ -111,8 +111,7 @@ impl Triangle {
                         *m.reals_of(reg) = [R::wide(values[0]); LANES];
                     }
                     (_, Class::Real) if plug.linear => {
-                        *m.reals_of(reg) =
-                            each(&|lane| sum(self.linear(weights[lane]), values));
+                        *m.reals_of(reg) = each(&|lane| sum(self.linear(weights[lane]), values));
                     }
                     (_, Class::Real) => {
                         *m.reals_of(reg) = each(&|lane| sum(weights[lane], values));

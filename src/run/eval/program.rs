@@ -158,9 +158,7 @@ fn signature(function: &FunctionCode) -> Option<FunctionSignature> {
     let parameters: Option<Vec<Parameter>> = function
         .arguments
         .iter()
-        .map(|a| {
-            Some(Parameter { name: a.name.clone(), ty: a.ty.clone()?, returned: a.pointer })
-        })
+        .map(|a| Some(Parameter { name: a.name.clone(), ty: a.ty.clone()?, returned: a.pointer }))
         .collect();
     Some(FunctionSignature {
         name: function.name.clone(),

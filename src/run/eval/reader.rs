@@ -17,9 +17,7 @@ use super::stage::{
     Invocations, Notes, Outcome, Precision, Settings, failure, mask, put, refused_for,
 };
 use crate::run::Module;
-use crate::run::reader::{
-    Answer, Device, Failure, FailureKind, Grid, Job, Reader, StageCode,
-};
+use crate::run::reader::{Answer, Device, Failure, FailureKind, Grid, Job, Reader, StageCode};
 use crate::source::{Language, Stage, kind_of_path};
 
 /// The evaluator as a [`Reader`].
@@ -33,6 +31,9 @@ pub struct Cpu {
     /// Modules it has compiled.
     compiled: Vec<(Arc<Module>, Arc<Program>)>,
 }
+
+/// Output 0 of a batch, and the lanes that have one.
+type Tile = (Numbers, u64);
 
 /// Modules kept compiled.
 const KEPT: usize = 8;
@@ -102,9 +103,8 @@ impl Cpu {
                 let vertices = self.vertices(vertex, count as usize, job, &settings)?;
                 let program = self.program(code)?;
                 let mut inputs = vertices.ports;
-                let columns = (0..u64::from(count))
-                    .map(|i| u64::from((i as f32 + 0.5).to_bits()))
-                    .collect();
+                let columns =
+                    (0..u64::from(count)).map(|i| u64::from((i as f32 + 0.5).to_bits())).collect();
                 let row = vec![u64::from(0.5f32.to_bits()); count as usize];
                 inputs.retain(|(port, _)| *port != Port::Position);
                 let mut inputs: Vec<_> =
@@ -204,9 +204,8 @@ fn compute<R: Real>(
     }
     let bound = program.bind(number, &job.resources)?;
     let size = interface.workgroup;
-    let volume = |v: [u32; 3]| {
-        v.iter().try_fold(1usize, |product, &n| product.checked_mul(n as usize))
-    };
+    let volume =
+        |v: [u32; 3]| v.iter().try_fold(1usize, |product, &n| product.checked_mul(n as usize));
     let (Some(invocations), Some(count)) = (volume(size), volume(groups)) else {
         return Err(failure(FailureKind::Refused, "more workgroups than can be counted".into()));
     };
@@ -267,7 +266,7 @@ fn image<R: Real>(
     triangle: Option<&Triangle>,
     job: &Job,
     settings: &Settings,
-) -> Result<(Outcome<(Numbers, u64)>, Vec<[u32; 4]>), Failure> {
+) -> Result<(Outcome<Tile>, Vec<[u32; 4]>), Failure> {
     let number = program.entry(entry)?;
     let code = &program.functions[number as usize];
     let interface = code.interface.as_ref().expect("an entry point has an interface");
@@ -281,7 +280,7 @@ fn image<R: Real>(
         return Err(failure(FailureKind::Refused, message));
     };
     let first = interface.outputs.iter().find(|plug| plug.port == Port::Location(0));
-    let outcome = program.drive::<R, (Numbers, u64)>(&bound, batches, settings, |m, batch| {
+    let outcome = program.drive::<R, Tile>(&bound, batches, settings, |m, batch| {
         let places = tile(batch, across);
         let mut inside = 0u64;
         for (lane, [x, y]) in places.iter().enumerate() {

@@ -124,25 +124,30 @@ impl Program {
         let interface = code.interface.as_ref().expect("an entry point has an interface");
         let bound = self.bind(number, resources)?;
         let count = invocations.count;
-        let outcome = self.drive::<R, Outputs>(&bound, count.div_ceil(LANES), settings, |m, b| {
-            let from = b * LANES;
-            let lanes = LANES.min(count - from);
-            for plug in &interface.inputs {
-                let given = invocations.inputs.iter().find(|(port, _)| *port == plug.port);
-                for (i, &reg) in plug.regs.iter().enumerate() {
-                    let words = given.and_then(|(_, words)| words.get(i));
-                    put(m, reg, words.map_or(&[], |w| w.get(from..from + lanes).unwrap_or(&[])));
+        let outcome =
+            self.drive::<R, Outputs>(&bound, count.div_ceil(LANES), settings, |m, b| {
+                let from = b * LANES;
+                let lanes = LANES.min(count - from);
+                for plug in &interface.inputs {
+                    let given = invocations.inputs.iter().find(|(port, _)| *port == plug.port);
+                    for (i, &reg) in plug.regs.iter().enumerate() {
+                        let words = given.and_then(|(_, words)| words.get(i));
+                        put(
+                            m,
+                            reg,
+                            words.map_or(&[], |w| w.get(from..from + lanes).unwrap_or(&[])),
+                        );
+                    }
                 }
-            }
-            m.invoke(number, self.starts[number as usize], mask(lanes))?;
-            let ports: Vec<_> = interface
-                .outputs
-                .iter()
-                .map(|plug| (plug.port, Numbers::read(m, &plug.regs, lanes)))
-                .collect();
-            let discarded = (0..lanes).map(|lane| m.killed >> lane & 1 == 1).collect();
-            Ok(Outputs { ports, discarded, notes: Notes::default() })
-        })?;
+                m.invoke(number, self.starts[number as usize], mask(lanes))?;
+                let ports: Vec<_> = interface
+                    .outputs
+                    .iter()
+                    .map(|plug| (plug.port, Numbers::read(m, &plug.regs, lanes)))
+                    .collect();
+                let discarded = (0..lanes).map(|lane| m.killed >> lane & 1 == 1).collect();
+                Ok(Outputs { ports, discarded, notes: Notes::default() })
+            })?;
         let mut outputs = Outputs { notes: outcome.notes, ..Outputs::default() };
         for batch in outcome.results {
             outputs.discarded.extend(batch.discarded);
@@ -249,9 +254,9 @@ impl Program {
                 | (ResourceKind::Storage { .. }, _) => false,
             };
             let push = info.space == BufferSpace::PushConstant;
-            let found = resources.iter().position(|r| {
-                fits(&r.kind) && (push || (r.group, r.binding) == info.bound)
-            });
+            let found = resources
+                .iter()
+                .position(|r| fits(&r.kind) && (push || (r.group, r.binding) == info.bound));
             writes |= *used && matches!(info.space, BufferSpace::Storage { writable: true });
             match found.map(|i| &resources[i].kind) {
                 Some(
@@ -306,6 +311,9 @@ impl Program {
                 if let Some(watch) = &mut machine.watch {
                     watch.next_batch();
                 }
+                if settings.deadline.is_some_and(|deadline| Instant::now() > deadline) {
+                    return Err(Stopped::Late);
+                }
                 let parted = machine.watch.as_ref().map_or(0, |w| w.parted.len());
                 results.push(each(&mut machine, batch)?);
                 if let Some(watch) = &mut machine.watch {
@@ -318,8 +326,7 @@ impl Program {
             vec![work(0)]
         } else {
             std::thread::scope(|scope| {
-                let handles: Vec<_> =
-                    (0..threads).map(|t| scope.spawn(move || work(t))).collect();
+                let handles: Vec<_> = (0..threads).map(|t| scope.spawn(move || work(t))).collect();
                 handles.into_iter().map(|h| h.join().expect("the machine does not panic")).collect()
             })
         };
@@ -369,9 +376,9 @@ impl Program {
             let read = if settings.watch { vec![0; bytes.len().div_ceil(64)] } else { Vec::new() };
             let bytes = match info.space {
                 BufferSpace::Workgroup => Cow::Owned(vec![0; info.size as usize]),
-                BufferSpace::Uniform
-                | BufferSpace::PushConstant
-                | BufferSpace::Storage { .. } => Cow::Borrowed(*bytes),
+                BufferSpace::Uniform | BufferSpace::PushConstant | BufferSpace::Storage { .. } => {
+                    Cow::Borrowed(*bytes)
+                }
             };
             machine.buffers.push(Memory { bytes, read });
         }
@@ -379,8 +386,7 @@ impl Program {
         machine.budget = settings.budget;
         machine.deadline = settings.deadline;
         if settings.watch {
-            let tolerance =
-                settings.tolerance.filter(|_| settings.precision == Precision::Both);
+            let tolerance = settings.tolerance.filter(|_| settings.precision == Precision::Both);
             machine.watch = Some(Box::new(Watch { tolerance, ..Watch::default() }));
         }
         machine
@@ -421,6 +427,10 @@ impl Program {
             }
             Stopped::Deadline(origin) => {
                 (FailureKind::TimedOut, "a loop was still running when the time was up", origin)
+            }
+            Stopped::Late => {
+                let message = "the time was up before all invocations had run".into();
+                return failure(FailureKind::TimedOut, message);
             }
             Stopped::Barrier(origin) => (
                 FailureKind::Refused,

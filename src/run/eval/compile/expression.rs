@@ -112,16 +112,10 @@ impl Function<'_, '_> {
                 else {
                     return Err("the length of what is no array in a buffer".into());
                 };
-                let bound = super::super::code::Bound::Runtime {
-                    offset: pointer.bytes,
-                    stride: *stride,
-                };
+                let bound =
+                    super::super::code::Bound::Runtime { offset: pointer.bytes, stride: *stride };
                 let dynamics = vec![super::super::code::Dynamic { strides: [0; 3], bound }];
-                let access = super::super::code::Access {
-                    buffer: *number,
-                    dynamics,
-                    change: None,
-                };
+                let access = super::super::code::Access { buffer: *number, dynamics, change: None };
                 let access = self.b.access(access);
                 let to = self.b.temporary(Class::Word);
                 self.b.push(Op::ArrayLength(access), &[], &[to.0]);
@@ -217,9 +211,7 @@ impl Function<'_, '_> {
     /// A part at an index known before it runs.
     fn part(&mut self, base: Handle<Expression>, index: u32) -> Result<Value, String> {
         match self.value(base)? {
-            Value::Pointer(pointer) => {
-                Ok(Value::Pointer(Rc::new(self.step(&pointer, index)?)))
-            }
+            Value::Pointer(pointer) => Ok(Value::Pointer(Rc::new(self.step(&pointer, index)?))),
             Value::View(pointer) => {
                 let part = Rc::new(self.step(&pointer, index)?);
                 self.load(&part)
@@ -246,9 +238,7 @@ impl Function<'_, '_> {
             return Err("an index of 64 bits".into());
         }
         match self.value(base)? {
-            Value::Pointer(pointer) => {
-                Ok(Value::Pointer(Rc::new(self.index(&pointer, index)?)))
-            }
+            Value::Pointer(pointer) => Ok(Value::Pointer(Rc::new(self.index(&pointer, index)?))),
             Value::View(pointer) => {
                 let part = Rc::new(self.index(&pointer, index)?);
                 self.load(&part)

@@ -12,7 +12,13 @@ impl Function<'_, '_> {
         let arena = self.arena;
         match &arena[handle] {
             Expression::ImageSample {
-                image, coordinate, array_index, offset, depth_ref, gather, ..
+                image,
+                coordinate,
+                array_index,
+                offset,
+                depth_ref,
+                gather,
+                ..
             } => {
                 self.plain_image(*image)?;
                 if array_index.is_some() || depth_ref.is_some() || gather.is_some() {

@@ -51,9 +51,8 @@ impl Function<'_, '_> {
                 Some(self.dots(*scalar, &pairs))
             }
             (TypeInner::Matrix { columns, rows, scalar }, TypeInner::Vector { .. }) => {
-                let pairs: Vec<_> = (0..*rows as usize)
-                    .map(|r| (row(a, *columns, *rows, r), b.to_vec()))
-                    .collect();
+                let pairs: Vec<_> =
+                    (0..*rows as usize).map(|r| (row(a, *columns, *rows, r), b.to_vec())).collect();
                 Some(self.dots(*scalar, &pairs))
             }
             (TypeInner::Vector { .. }, TypeInner::Matrix { columns, rows, scalar }) => {

@@ -23,8 +23,8 @@ use naga::{AddressSpace, Handle, StorageAccess};
 use super::code::{Origin, Reg};
 use super::program::{BufferInfo, BufferSpace, FunctionCode, ImageInfo, Program};
 pub(super) use builder::Body;
-pub(super) use function::Compiled;
 use builder::Builder;
+pub(super) use function::Compiled;
 use function::Function;
 
 /// What a variable of the module is to the machine.

@@ -56,9 +56,7 @@ impl Function<'_, '_> {
     /// Rounds what is of 16 bits.
     pub fn narrowed(&mut self, scalar: Scalar, regs: Rc<[Reg]>) -> Rc<[Reg]> {
         match (scalar.kind, scalar.width) {
-            (ScalarKind::Float, 2) => {
-                self.each1(Op::Cast(Cast::RoundHalf), Class::Real, &regs)
-            }
+            (ScalarKind::Float, 2) => self.each1(Op::Cast(Cast::RoundHalf), Class::Real, &regs),
             (ScalarKind::Sint, 2) => self.each1(Op::I1(I1::Narrow16Sint), Class::Word, &regs),
             (ScalarKind::Uint, 2) => self.each1(Op::I1(I1::Narrow16Uint), Class::Word, &regs),
             _ => regs,

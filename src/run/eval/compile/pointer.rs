@@ -14,7 +14,10 @@ use super::function::{Function, Value};
 pub(super) enum Root {
     /// In registers, all of its scalars.
     Variable(Rc<[Reg]>),
-    Buffer { number: u32, read_only: bool },
+    Buffer {
+        number: u32,
+        read_only: bool,
+    },
 }
 
 #[derive(Clone)]

@@ -130,7 +130,11 @@ impl Function<'_, '_> {
         }
     }
 
-    fn switch(&mut self, selector: Handle<Expression>, cases: &[SwitchCase]) -> Result<u32, String> {
+    fn switch(
+        &mut self,
+        selector: Handle<Expression>,
+        cases: &[SwitchCase],
+    ) -> Result<u32, String> {
         let selector = self.scalar(selector)?;
         if selector.class() != Class::Word {
             return Err("a switch over 64-bit integers".into());
@@ -234,8 +238,7 @@ impl Function<'_, '_> {
         };
         let value = self.scalar(value)?;
         let compare = compare.unwrap_or(value);
-        let (old, exchanged) =
-            (self.b.temporary(Class::Word), self.b.temporary(Class::Word));
+        let (old, exchanged) = (self.b.temporary(Class::Word), self.b.temporary(Class::Word));
         let head: Vec<Reg> = pointer.indices.iter().map(|i| i.0).collect();
         let dynamics = pointer.indices.iter().map(|i| i.1).collect();
         let access = self.b.access(Access { buffer: number, dynamics, change: Some(change) });

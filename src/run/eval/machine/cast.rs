@@ -20,9 +20,8 @@ impl<R: Real> Machine<'_, '_, R> {
                 Cast::RealToUint => self.real_word(to, from, |x| x.whole() as u32),
                 Cast::RealToBool => self.real_word(to, from, |x| u32::from(x.single() != 0.0)),
                 Cast::RealBits => self.real_word(to, from, |x| x.single().to_bits()),
-                Cast::HalfToBits => self.real_word(to, from, |x| {
-                    u32::from(half::f16::from_f32(x.single()).to_bits())
-                }),
+                Cast::HalfToBits => self
+                    .real_word(to, from, |x| u32::from(half::f16::from_f32(x.single()).to_bits())),
                 Cast::Exponent => {
                     self.real_word(to, from, |x| frexp(f64::from(x.single())).1 as u32);
                 }

@@ -44,12 +44,7 @@ impl<R: Real> Machine<'_, '_, R> {
         agree.then_some(first)
     }
 
-    pub(super) fn load<const WATCH: bool>(
-        &mut self,
-        access: u32,
-        head: &[u32],
-        operands: &[u32],
-    ) {
+    pub(super) fn load<const WATCH: bool>(&mut self, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
         let buffer = access.buffer as usize;
         if let Some(first) = self.agreed(head) {
@@ -111,9 +106,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let bits = u64::from_le_bytes(word);
         match stored {
             Stored::F32 | Stored::B32 | Stored::U16 | Stored::B64 => bits,
-            Stored::F16 => {
-                u64::from(half::f16::from_bits(bits as u16).to_f32().to_bits())
-            }
+            Stored::F16 => u64::from(half::f16::from_bits(bits as u16).to_f32().to_bits()),
             Stored::I16 => u64::from(i32::from(bits as u16 as i16) as u32),
             Stored::Bool => u64::from(bits != 0),
         }

@@ -6,7 +6,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, LANES, Op};
+use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, Op};
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::memory::elements;
@@ -51,10 +51,7 @@ impl Watch {
     /// Notes of another thread, whose batches come later.
     pub fn merge(&mut self, more: Watch) {
         for (key, seen) in more.undefined {
-            self.undefined
-                .entry(key)
-                .and_modify(|known| known.count += seen.count)
-                .or_insert(seen);
+            self.undefined.entry(key).and_modify(|known| known.count += seen.count).or_insert(seen);
         }
         self.parted.extend(more.parted);
     }
@@ -215,9 +212,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     Cast::RealToUint => (real(0), 0.0, 4294967295.0),
                     Cast::RealToSint64 => (real(0), i64::MIN as f64, i64::MAX as f64),
                     Cast::RealToUint64 => (real(0), 0.0, u64::MAX as f64),
-                    Cast::DoubleToSint => {
-                        (f64::from_bits(wide(0)), -2147483648.0, 2147483647.0)
-                    }
+                    Cast::DoubleToSint => (f64::from_bits(wide(0)), -2147483648.0, 2147483647.0),
                     Cast::DoubleToUint => (f64::from_bits(wide(0)), 0.0, 4294967295.0),
                     Cast::DoubleToSint64 => {
                         (f64::from_bits(wide(0)), i64::MIN as f64, i64::MAX as f64)
@@ -247,11 +242,10 @@ impl<R: Real> Machine<'_, '_, R> {
             let reads = if takes { reads } else { &[] };
             for &to in &group[..shape.writes] {
                 let results = column(&self.reals, to);
-                for lane in 0..LANES {
+                for (lane, &result) in results.iter().enumerate() {
                     if self.active >> lane & 1 == 0 {
                         continue;
                     }
-                    let result = results[lane];
                     let operand = |reg: &u32| column(&self.reals, *reg)[lane];
                     let finite = |x: R| x.single().is_finite();
                     if !finite(result) && reads.iter().all(|reg| finite(operand(reg))) {

@@ -106,7 +106,15 @@ fn functions_of_one_float() {
     });
     check1("sqrt(a)", f32::sqrt);
     check1("inverseSqrt(a)", wide(|a| 1.0 / a.sqrt()));
-    check1("sign(a)", |a| if a > 0.0 { 1.0 } else if a < 0.0 { -1.0 } else { a });
+    check1("sign(a)", |a| {
+        if a > 0.0 {
+            1.0
+        } else if a < 0.0 {
+            -1.0
+        } else {
+            a
+        }
+    });
     check1("sin(a)", wide(f64::sin));
     check1("cos(a)", wide(f64::cos));
     check1("tan(a)", wide(f64::tan));
@@ -137,9 +145,12 @@ fn functions_of_two_and_three_floats() {
     check2("max(a, b)", |a, b| if a < b { b } else { a });
     check2("step(a, b)", |edge, x| if edge <= x { 1.0 } else { 0.0 });
     check2("atan2(a, b)", |a, b| f64::from(a).atan2(f64::from(b)) as f32);
-    check2("pow(a, b)", |a, b| {
-        if a < 0.0 { f32::NAN } else { f64::from(a).powf(f64::from(b)) as f32 }
-    });
+    check2(
+        "pow(a, b)",
+        |a, b| {
+            if a < 0.0 { f32::NAN } else { f64::from(a).powf(f64::from(b)) as f32 }
+        },
+    );
     check2("distance(a, b)", |a, b| (a - b).abs());
     check2("select(a, b, a < b)", |a, b| if a < b { b } else { a });
     check3("fma(a, b, c)", |a, b, c| a.mul_add(b, c));
@@ -158,7 +169,8 @@ fn functions_of_two_and_three_floats() {
 
 #[test]
 fn comparisons_are_false_of_nan_except_unequal() {
-    let cases: [(&str, fn(f32, f32) -> bool); 6] = [
+    type Case = (&'static str, fn(f32, f32) -> bool);
+    let cases: [Case; 6] = [
         ("a < b", |a, b| a < b),
         ("a <= b", |a, b| a <= b),
         ("a > b", |a, b| a > b),
@@ -200,11 +212,8 @@ fn vectors_follow_their_formulas() {
         let scale = |a: [f32; 3], k: f32| a.map(|x| k * x);
         let length = dot(v, v).sqrt();
         let n = v.map(|x| x / length);
-        let cross = [
-            v[1] * w[2] - v[2] * w[1],
-            v[2] * w[0] - v[0] * w[2],
-            v[0] * w[1] - v[1] * w[0],
-        ];
+        let cross =
+            [v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]];
         let reflected = sub(v, n.map(|x| 2.0 * dot(n, v) * x));
         let up = [0.0, 1.0, 0.0];
         let along = dot(up, n);
@@ -215,8 +224,7 @@ fn vectors_follow_their_formulas() {
             sub(scale(n, 0.75), scale(up, 0.75 * along + k.sqrt()))
         };
         let facing = if dot(n, w) < 0.0 { v } else { v.map(|x| -x) };
-        let swizzled =
-            [v[2] * 2.0 + w[0], v[1] * 2.0 + w[0], v[0] * 2.0 + w[1]];
+        let swizzled = [v[2] * 2.0 + w[0], v[1] * 2.0 + w[0], v[0] * 2.0 + w[1]];
         let between = sub(v, w);
         let mut expected = vec![dot(v, w), length, dot(between, between).sqrt()];
         for part in [n, cross, reflected, refracted, facing, swizzled] {
@@ -269,7 +277,8 @@ fn matrices_multiply_by_columns_and_have_inverses() {
         let expected = if i % 4 == 0 { 1.0 } else { 0.0 };
         assert!((value - expected).abs() < 1e-5, "{i}: {value}");
     }
-    let columns = [[1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 0.5, 2.0], [2.0, 0.0, 1.0, 3.0], [0.5, 1.0, 0.0, 1.0f64]];
+    let columns =
+        [[1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 0.5, 2.0], [2.0, 0.0, 1.0, 3.0], [0.5, 1.0, 0.0, 1.0f64]];
     assert!((f64::from(got[27]) - eliminate(columns)).abs() < 1e-5);
 }
 
@@ -285,8 +294,9 @@ fn eliminate(mut m: [[f64; 4]; 4]) -> f64 {
         product *= m[i][i];
         for row in i + 1..4 {
             let k = m[row][i] / m[i][i];
-            for column in i..4 {
-                m[row][column] -= k * m[i][column];
+            let above = m[i];
+            for (cell, above) in m[row].iter_mut().zip(above).skip(i) {
+                *cell -= k * above;
             }
         }
     }
@@ -335,4 +345,22 @@ fn parts_of_numbers() {
         assert!(x == 0.0 || (0.5..1.0).contains(&fraction[i].abs()), "{x}: {}", fraction[i]);
     }
     assert_eq!(words(&p, "nan", &[&bits]), bits);
+}
+
+#[test]
+fn halves_are_rounded_at_each_operation() {
+    let p = program(
+        "enable f16;
+        fn f(a: f32, b: f32) -> f32 {
+            let x = f16(a);
+            let y = f16(b);
+            return f32(x * y + x);
+        }",
+    );
+    let a = [1.001f32, 3.1415, 60000.0, 1e-6];
+    let b = [0.3333f32, -7.7, 2.0, 0.5];
+    let half = |x: f32| half::f16::from_f32(x).to_f32();
+    let expected: Vec<f32> =
+        a.iter().zip(b).map(|(&a, b)| half(half(half(a) * half(b)) + half(a))).collect();
+    assert_eq!(floats(&p, "f", &[&a, &b]), expected);
 }

@@ -20,7 +20,7 @@ fn a_loop_ends_for_each_invocation_by_itself() {
     let reference = |mut n: u32| {
         let mut steps = 0;
         while n > 1 {
-            n = if n % 2 == 0 { n / 2 } else { 3 * n + 1 };
+            n = if n & 1 == 0 { n / 2 } else { 3 * n + 1 };
             steps += 1;
         }
         steps
@@ -130,7 +130,13 @@ fn a_continue_inside_a_switch_goes_on_with_the_loop() {
         }",
     );
     let reference = |n: u32| {
-        (0..n).map(|i| match i % 4 { 0 => 0, 1 => 110, _ => 101 }).sum::<u32>()
+        (0..n)
+            .map(|i| match i % 4 {
+                0 => 0,
+                1 => 110,
+                _ => 101,
+            })
+            .sum::<u32>()
     };
     let inputs: Vec<u32> = (0..70).collect();
     let expected: Vec<u32> = inputs.iter().map(|&n| reference(n)).collect();

@@ -73,9 +73,7 @@ fn functions_of_integers() {
     check("u32", "firstTrailingBit(a)", |a, _| (0..32).find(|i| a >> i & 1 == 1).unwrap_or(!0));
     let leading = |a: u32| (0..32).rev().find(|i| a >> i & 1 == 1).unwrap_or(!0);
     check("u32", "firstLeadingBit(a)", move |a, _| leading(a));
-    check("i32", "firstLeadingBit(a)", move |a, _| {
-        leading(if (a as i32) < 0 { !a } else { a })
-    });
+    check("i32", "firstLeadingBit(a)", move |a, _| leading(if (a as i32) < 0 { !a } else { a }));
     let field = |offset: u32, count: u32| {
         let offset = offset.min(32);
         (offset, count.min(32 - offset))
@@ -180,12 +178,8 @@ fn packing_rounds_half_up_and_unpacking_undoes_it() {
     let got: Vec<u32> = called.result.words.iter().map(|w| w[0] as u32).collect();
     assert_eq!(got, expected);
     let x = 0x3c80_7fffu32;
-    let got: Vec<f32> = call(&p, "g", &[&[x]])
-        .result
-        .words
-        .iter()
-        .map(|w| f32::from_bits(w[0] as u32))
-        .collect();
+    let got: Vec<f32> =
+        call(&p, "g", &[&[x]]).result.words.iter().map(|w| f32::from_bits(w[0] as u32)).collect();
     let byte = |i: u32| (x >> (8 * i)) as u8;
     let mut expected: Vec<f32> = (0..4).map(|i| f32::from(byte(i)) / 255.0).collect();
     expected.extend((0..4).map(|i| (f32::from(byte(i) as i8) / 127.0).max(-1.0)));

@@ -24,8 +24,7 @@ fn compute(text: &str, groups: [u32; 3], resources: Vec<Resource>) -> Answer {
         glsl: None,
         spirv: None,
     }];
-    let job =
-        Job { stages, resources, grid: Grid::Groups(groups), limit: Duration::from_secs(60) };
+    let job = Job { stages, resources, grid: Grid::Groups(groups), limit: Duration::from_secs(60) };
     Cpu::new(single()).run(&job).unwrap_or_else(|failure| panic!("{failure:?}"))
 }
 
@@ -88,8 +87,7 @@ fn storage_is_written_by_each_invocation() {
         [3, 2, 1],
         vec![resource(0, storage(&(0..90).collect::<Vec<u32>>()))],
     );
-    let expected: Vec<u32> =
-        (0..90).map(|at| at * 100 + at % 24 % 8 + at / 24 % 2 * 8).collect();
+    let expected: Vec<u32> = (0..90).map(|at| at * 100 + at % 24 % 8 + at / 24 % 2 * 8).collect();
     assert_eq!(left(&answer, 0), expected);
 }
 
@@ -154,7 +152,9 @@ fn constants_overrides_and_private_variables_start_as_written() {
             .map(|i| {
                 let table = [10, 20, 30, 40];
                 let at = *i as usize;
-                25 + scale + (25 + 2 * scale) * 1000 + table[at % 4] * 1_000_000
+                25 + scale
+                    + (25 + 2 * scale) * 1000
+                    + table[at % 4] * 1_000_000
                     + table[(at + 1) % 4]
                     + scale * 2
             })

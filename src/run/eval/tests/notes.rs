@@ -74,11 +74,7 @@ fn both_precisions_part_where_digits_cancel() {
             return small * 2.0;
         }",
     );
-    let settings = Settings {
-        precision: Precision::Both,
-        tolerance: Some(1e-3),
-        ..watched()
-    };
+    let settings = Settings { precision: Precision::Both, tolerance: Some(1e-3), ..watched() };
     let arguments = vec![bits(&[1.0, 1e9])];
     let call = Call { function: "f", lanes: 2, arguments, resources: &[] };
     let called = p.call(&call, &settings).expect("it runs");
@@ -154,4 +150,23 @@ fn what_is_not_known_is_refused_by_name_where_it_is_run() {
     assert_eq!(failure.kind, FailureKind::Refused);
     assert!(failure.message.contains("texture_2d<f32>"), "{}", failure.message);
     assert!(call("plain").is_ok());
+}
+
+#[test]
+fn what_is_too_large_is_refused_without_being_built() {
+    let mut text = String::from("struct S0 { a: vec4<f32>, b: vec4<f32> }\n");
+    for i in 1..40 {
+        text.push_str(&format!("struct S{i} {{ a: S{}, b: S{} }}\n", i - 1, i - 1));
+    }
+    text.push_str("var<private> p: S20;\nfn f(a: f32) -> f32 { return p.a.a.a.b.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.b.x + a; }\n");
+    text.push_str(
+        "fn g(a: f32) -> f32 { var l: array<f32, 4000000>; l[u32(a)] = a; return l[0]; }",
+    );
+    let p = program(&text);
+    for function in ["f", "g"] {
+        let call = Call { function, lanes: 1, arguments: vec![bits(&[1.0])], resources: &[] };
+        let failure = p.call(&call, &single()).expect_err("it is too large");
+        assert_eq!(failure.kind, FailureKind::Refused);
+        assert!(failure.message.contains("scalars"), "{}", failure.message);
+    }
 }

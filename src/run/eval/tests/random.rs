@@ -89,8 +89,20 @@ fn value(tree: &Tree, x: f32, y: f32, k: u32) -> f32 {
         Tree::Call(name, arguments) => {
             let all: Vec<f32> = arguments.iter().map(|a| value(a, x, y, k)).collect();
             match *name {
-                "min" => if all[1] < all[0] { all[1] } else { all[0] },
-                "max" => if all[0] < all[1] { all[1] } else { all[0] },
+                "min" => {
+                    if all[1] < all[0] {
+                        all[1]
+                    } else {
+                        all[0]
+                    }
+                }
+                "max" => {
+                    if all[0] < all[1] {
+                        all[1]
+                    } else {
+                        all[0]
+                    }
+                }
                 "floor" => all[0].floor(),
                 _ => all[0].abs(),
             }

@@ -127,9 +127,8 @@ fn an_entry_point_takes_inputs_by_location() {
             return a * f32(k);
         }",
     );
-    let number = |f: fn(u16) -> f32| -> Vec<u64> {
-        (0..100).map(|i| u64::from(f(i).to_bits())).collect()
-    };
+    let number =
+        |f: fn(u16) -> f32| -> Vec<u64> { (0..100).map(|i| u64::from(f(i).to_bits())).collect() };
     let inputs = vec![
         (Port::Location(2), vec![number(f32::from), number(|i| f32::from(i) + 0.5)]),
         (Port::Location(5), vec![(0..100).map(|i| i % 5).collect()]),

@@ -1,9 +1,9 @@
 //! Modules from WGSL, and short ways to call their functions.
 
 use super::super::{Call, Called, Program, Settings};
+use crate::Options;
 use crate::run::Module;
 use crate::source::Source;
-use crate::Options;
 
 pub fn module(text: &str) -> Module {
     let source = Source::new("test.wgsl", text);
@@ -20,10 +20,8 @@ pub fn single() -> Settings {
 
 /// Words of one scalar for each argument.
 pub fn call(program: &Program, function: &str, arguments: &[&[u32]]) -> Called {
-    let arguments: Vec<Vec<Vec<u64>>> = arguments
-        .iter()
-        .map(|words| vec![words.iter().map(|&w| u64::from(w)).collect()])
-        .collect();
+    let arguments: Vec<Vec<Vec<u64>>> =
+        arguments.iter().map(|words| vec![words.iter().map(|&w| u64::from(w)).collect()]).collect();
     let lanes = arguments.first().map_or(1, |words| words[0].len());
     let call = Call { function, lanes, arguments, resources: &[] };
     program.call(&call, &single()).unwrap_or_else(|failure| panic!("{failure:?}"))
