@@ -46,6 +46,7 @@ pub struct ModuleBlock {
     pub binding: u32,
     /// Which element of an array of blocks it is, counted through all dimensions.
     pub element: Option<u32>,
+    #[allow(dead_code, reason = "readers of the IR find the block's memory by it")]
     pub(crate) variable: Handle<GlobalVariable>,
 }
 
@@ -60,8 +61,7 @@ pub struct ModuleHandle {
     pub binding: u32,
     /// What it is. A `sampler2D` of GLSL is a texture and a sampler of one path.
     pub kind: HandleKind,
-    // Readers find it by group and binding.
-    #[allow(dead_code)]
+    #[allow(dead_code, reason = "readers of the IR find the handle by it")]
     pub(crate) variable: Handle<GlobalVariable>,
 }
 
@@ -105,6 +105,7 @@ pub struct FunctionInfo {
     pub returns: Option<String>,
     /// Its name in the text.
     pub span: Span,
+    #[allow(dead_code, reason = "readers of the IR find the function by it")]
     pub(crate) handle: Handle<naga::Function>,
 }
 
@@ -166,16 +167,23 @@ impl Module {
         on_a_large_stack(|| wgsl::by_naga(source, options)?.validated())
     }
 
-    /// The module as SPIR-V for Vulkan, its one entry point or all of them; in naga's words why not.
+    /// The module as SPIR-V for Vulkan, names included, overrides with their values in force.
     ///
     /// # Errors
-    /// What naga cannot write.
+    /// What naga cannot write, in its words.
     #[cfg(feature = "gpu")]
     pub fn spirv(&self) -> Result<Vec<u32>, String> {
-        let options = naga::back::spv::Options::default();
-        let write = || naga::back::spv::write_vec(&self.ir, &self.info, &options, None);
+        use naga::back::{pipeline_constants::process_overrides, spv};
+        // Not `ADJUST_COORDINATE_SPACE`: positions stay as the shader writes them.
+        let flags = spv::WriterFlags::DEBUG | spv::WriterFlags::LABEL_VARYINGS;
+        let options = spv::Options { flags, ..spv::Options::default() };
+        let write = || {
+            let (ir, info) = process_overrides(&self.ir, &self.info, None, &Default::default())
+                .map_err(|error| chain(&error))?;
+            spv::write_vec(&ir, &info, &options, None).map_err(|error| chain(&error))
+        };
         match panic::catch_unwind(AssertUnwindSafe(write)) {
-            Ok(words) => words.map_err(|error| chain(&error)),
+            Ok(words) => words,
             Err(_) => Err("naga panics when it writes this module".to_string()),
         }
     }

@@ -35,6 +35,7 @@ pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<
         blocks.push(module_block(&ir, block, variable));
     }
     apply(&mut ir, &wanted);
+    set_overrides(&mut ir, &options.read.overrides);
     Ok(Module::unvalidated(ir, laid_out.files, blocks))
 }
 
@@ -98,6 +99,31 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
     }));
     // naga 30.0.1 panics on GLSL's `float a[1000000000][8]`.
     result.unwrap_or_else(|_| Err(refused(None, "naga panics on this text".to_string())))
+}
+
+/// Gives overrides the values that `-O` says; what they begin with is what readers take.
+fn set_overrides(ir: &mut naga::Module, given: &[(String, String)]) {
+    let handles: Vec<_> = ir.overrides.iter().map(|(handle, _)| handle).collect();
+    for handle in handles {
+        let known = &ir.overrides[handle];
+        let id = known.id.map(|id| id.to_string());
+        let named = |key: &String| Some(key) == known.name.as_ref() || Some(key) == id.as_ref();
+        let Some((_, text)) = given.iter().rev().find(|(key, _)| named(key)) else { continue };
+        let TypeInner::Scalar(scalar) = ir.types[known.ty].inner else { continue };
+        let text = text.trim().trim_end_matches(['u', 'i', 'f', 'h']);
+        let literal = match (scalar.kind, scalar.width) {
+            (naga::ScalarKind::Bool, _) => text.parse().ok().map(naga::Literal::Bool),
+            (naga::ScalarKind::Sint, 4) => text.parse().ok().map(naga::Literal::I32),
+            (naga::ScalarKind::Uint, 4) => text.parse().ok().map(naga::Literal::U32),
+            (naga::ScalarKind::Float, 4) => text.parse().ok().map(naga::Literal::F32),
+            (naga::ScalarKind::Float, 8) => text.parse().ok().map(naga::Literal::F64),
+            _ => None,
+        };
+        let Some(literal) = literal else { continue };
+        let expression = naga::Expression::Literal(literal);
+        let value = ir.global_expressions.append(expression, naga::Span::UNDEFINED);
+        ir.overrides[handle].init = Some(value);
+    }
 }
 
 /// The offsets, strides and sizes that types are to have.

@@ -73,6 +73,7 @@ pub fn blocks(words: &[u32]) -> Result<Vec<OracleBlock>, String> {
 impl Module {
     fn block(&self, ty: Id, count: Vec<Option<u64>>) -> Result<OracleBlock, String> {
         let mut leaves = Vec::new();
+        let ty = self.unwrapped(ty);
         self.members(ty, "", 0, &[], &[], &mut leaves)?;
         Ok(OracleBlock {
             name: self.names.get(&ty).cloned().unwrap_or_default(),
@@ -81,6 +82,18 @@ impl Module {
             data_size: None,
             leaves,
         })
+    }
+
+    /// naga puts a block inside a structure of one member without a name.
+    fn unwrapped(&self, ty: Id) -> Id {
+        match self.types.get(&ty) {
+            Some(Type::Struct { members }) if members.len() == 1 => {
+                let named = self.member_names.contains_key(&(ty, 0));
+                let inner = matches!(self.types.get(&members[0]), Some(Type::Struct { .. }));
+                if !named && inner { members[0] } else { ty }
+            }
+            _ => ty,
+        }
     }
 
     fn members(

@@ -9,7 +9,7 @@ use super::constant::Const;
 use super::types::{Kind, Structure, Ty, carried};
 
 /// Elements that an initialiser may write out.
-const MOST_ELEMENTS: usize = 1 << 14;
+const MOST_ELEMENTS: usize = 1 << 16;
 
 /// An array type with the sizes that its initialiser says where the type says none.
 pub fn sized_by<'a>(ty: Ty, init: &Expr<'a>, constant: &dyn Fn(&Expr<'a>) -> Option<Const>) -> Ty {
@@ -93,7 +93,10 @@ impl<'a> Body<'_, 'a> {
         let Some((mut element, Some(len))) = ty.indexed() else {
             return self.refuse(format!("a `{ty}` is not constructed like this"));
         };
-        if len as usize != arguments.len() || arguments.len() > MOST_ELEMENTS {
+        if arguments.len() > MOST_ELEMENTS {
+            return self.refuse(format!("more than {MOST_ELEMENTS} elements are written out"));
+        }
+        if len as usize != arguments.len() {
             return self.refuse(format!("a `{ty}` is made of {} values", arguments.len()));
         }
         let mut parts = Vec::new();

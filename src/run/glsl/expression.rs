@@ -64,6 +64,14 @@ impl<'a> Body<'_, 'a> {
             ExprKind::Step(step, inner) => {
                 self.step_value(Step { before: true, ..*step }, inner, e).map(|_| ())
             }
+            ExprKind::Choose(parts) => {
+                let [condition, accept, reject] = &**parts;
+                let condition = self.boolean(condition)?.expr;
+                let (accept, ()) = self.nested(|this| this.effect(accept))?;
+                let (reject, ()) = self.nested(|this| this.effect(reject))?;
+                self.statement(naga::Statement::If { condition, accept, reject });
+                Ok(())
+            }
             _ => self.operand(e).map(|_| ()),
         }
     }
@@ -250,9 +258,14 @@ impl<'a> Body<'_, 'a> {
     fn indexed(&mut self, base: &Expr<'a>, index: &Expr<'a>, whole: &Expr<'a>) -> R<Operand> {
         let base = self.operand(base)?;
         let fixed = self.constant(index).and_then(|c| c.integer());
-        let fixed = fixed.map(|i| u32::try_from(i).unwrap_or(u32::MAX));
         let index = match fixed {
-            Some(index) => Index::Fixed(index),
+            Some(fixed) => match u32::try_from(fixed) {
+                Ok(fixed) => Index::Fixed(fixed),
+                Err(_) => {
+                    self.span = index.span;
+                    return self.refuse(format!("index {fixed} is below 0"));
+                }
+            },
             None => {
                 let value = self.value(index)?;
                 if !matches!(value.ty, Ty::INT | Ty::UINT) {
@@ -263,6 +276,12 @@ impl<'a> Body<'_, 'a> {
         };
         self.span = whole.span;
         match base {
+            Operand::Place(place)
+                if place.swizzle.is_some() && matches!(index, Index::Dynamic(_)) =>
+            {
+                let value = self.load(&place)?;
+                self.element(&value, index).map(Operand::Value)
+            }
             Operand::Place(place) => self.element_of(&place, index).map(Operand::Place),
             Operand::Value(value) => self.element(&value, index).map(Operand::Value),
             Operand::Handle(_) => self.refuse("a handle has no elements"),
@@ -421,6 +440,15 @@ impl<'a> Body<'_, 'a> {
             let zero = self.zero(&value.ty)?;
             let expr = self.binary(naga::BinaryOperator::Subtract, zero.expr, value.expr);
             return Ok(Val { expr, ty: value.ty });
+        }
+        // Nor matrices: column by column.
+        if let Ty::Matrix(_, columns, _) = value.ty {
+            let mut parts = Vec::new();
+            for i in 0..u32::from(columns) {
+                let expr = self.part(value.expr, i);
+                parts.push(self.add(Expression::Unary { op, expr }));
+            }
+            return self.compose(&value.ty, parts);
         }
         let expr = self.add(Expression::Unary { op, expr: value.expr });
         Ok(Val { expr, ty: value.ty })

@@ -19,6 +19,9 @@ use crate::source::Span;
 /// Levels that lowering may go down: functions, statements and expressions together.
 const DEEPEST: u32 = 1500;
 
+/// Expressions that a shader may come to: more are a text made to exhaust memory.
+const MOST_EXPRESSIONS: usize = 1 << 22;
+
 /// A function of the shader.
 #[derive(Debug)]
 pub struct Entry<'a> {
@@ -217,6 +220,7 @@ impl<'a> Lowerer<'a> {
             body.statement(Statement::Return { value });
         }
         let mut function = body.finish();
+        self.expressions += function.expressions.len();
         function.name = Some(declaration.name.text.to_string());
         Ok(self.ir.functions.append(function, self.bases.to_naga(span)))
     }
@@ -251,6 +255,9 @@ fn describe(entry: &Entry<'_>) -> Option<FunctionInfo> {
 impl<'a> Body<'_, 'a> {
     /// Guards recursion over the tree.
     pub fn deeper<T>(&mut self, run: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
+        if self.cx.expressions + self.function.expressions.len() > MOST_EXPRESSIONS {
+            return self.refuse("the shader comes to too many operations");
+        }
         self.cx.nesting += 1;
         let result = if self.cx.nesting > DEEPEST {
             self.refuse("functions, statements and expressions nest too deep")

@@ -15,6 +15,9 @@ use crate::run::module::ModuleBlock;
 use crate::shape::{AddressSpace, Type};
 use crate::source::{Span, Stage};
 
+/// Values in a structure at most: more are a text made to exhaust memory.
+const MOST_LEAVES: u64 = 1 << 20;
+
 /// Elements of an array of blocks at most: each is a buffer of its own.
 const MOST_BLOCKS: u32 = 256;
 
@@ -69,7 +72,7 @@ impl<'a> Lowerer<'a> {
         self.reserve_bindings(items);
         // Structures and constants first: the block of loose uniforms is made of all of them.
         for item in items {
-            self.types_of(item).map_err(|d| vec![*d])?;
+            self.types_of(item);
         }
         for item in items {
             match item {
@@ -181,6 +184,9 @@ impl<'a> Lowerer<'a> {
         if let Some(ty) = self.structures.get(name) {
             return Ok(ty.clone());
         }
+        if let Some(why) = self.broken.get(name) {
+            return Err(why.clone());
+        }
         builtin(name).ok_or_else(|| refuse(span, format!("`{name}` is no type that can run")))
     }
 
@@ -224,6 +230,10 @@ impl<'a> Lowerer<'a> {
             }
         }
         let structure = self.new_structure(declaration.name.text, members);
+        if structure.leaves > MOST_LEAVES {
+            let message = format!("`{}` has more than {MOST_LEAVES} values in it", structure.name);
+            return Err(refuse(declaration.name.span, message));
+        }
         let at = (declaration.name.span.file, declaration.name.span.start);
         self.structures_at.insert(at, structure.clone());
         Ok(Ty::Struct(structure))
@@ -233,7 +243,8 @@ impl<'a> Lowerer<'a> {
         let id = self.next_structure;
         self.next_structure += 1;
         let opaque = members.iter().any(|member| member.ty.has_opaque());
-        Rc::new(Structure { id, name: name.to_string(), members, opaque })
+        let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+        Rc::new(Structure { id, name: name.to_string(), members, opaque, leaves })
     }
 
     /// The structure that the layout means.
@@ -262,11 +273,12 @@ impl<'a> Lowerer<'a> {
         })
     }
 
-    fn types_of(&mut self, item: &Item<'a>) -> R<()> {
+    /// What is wrong with a type is said where it is used.
+    fn types_of(&mut self, item: &Item<'a>) {
         match item {
             Item::Variables(declaration) => {
-                if let TypeBase::Struct(_) = &declaration.ty.base {
-                    self.global_type(&declaration.ty, &[])?;
+                if let TypeBase::Struct(structure) = &declaration.ty.base {
+                    self.declare_structure(structure);
                 }
                 if declaration.qualifiers.storage == Storage::Const {
                     self.all_variables(declaration);
@@ -274,14 +286,19 @@ impl<'a> Lowerer<'a> {
             }
             Item::Block(block) => {
                 for member in &block.members {
-                    if let TypeBase::Struct(_) = &member.ty.base {
-                        self.global_type(&member.ty, &[])?;
+                    if let TypeBase::Struct(structure) = &member.ty.base {
+                        self.declare_structure(structure);
                     }
                 }
             }
             Item::Function(_) | Item::Defaults(_) => {}
         }
-        Ok(())
+    }
+
+    fn declare_structure(&mut self, declaration: &StructDecl<'a>) {
+        if let Err(why) = self.structure(declaration) {
+            self.broken.insert(declaration.name.text, why);
+        }
     }
 
     fn variables(&mut self, declaration: &Rc<Declaration<'a>>) {
@@ -549,8 +566,9 @@ impl<'a> Lowerer<'a> {
             Ok(host) => Rc::new(host),
             Err(Misfit::Alignment | Misfit::Foreign) => {
                 let message = format!("naga has nothing that carries block `{}`", layout.name);
-                return Err(refuse(span, message)
-                    .help("no 64-bit or 16-bit numbers, or atomics, where naga takes the layout only as words"));
+                return Err(refuse(span, message).help(
+                    "no 16-bit numbers, and no atomics, where naga takes the layout only as words",
+                ));
             }
         };
         let runtime = structure.members.last().is_some_and(|m| matches!(m.ty, Ty::Array(_, None)));

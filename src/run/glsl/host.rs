@@ -62,6 +62,13 @@ pub enum Purpose {
     Immediate,
 }
 
+/// Whether a structure is the block itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Whole,
+    Member,
+}
+
 /// A type and what naga wants of its place.
 struct Built {
     host: Rc<Host>,
@@ -90,12 +97,13 @@ impl Lowerer<'_> {
         size: u64,
         purpose: Purpose,
     ) -> Result<Host, Misfit> {
-        let typed = self.members(structure, members, size, purpose, true);
+        let whole = Part::Whole;
+        let typed = self.members(structure, members, size, purpose, true, whole);
         match typed {
             Ok(built) => Ok(Rc::try_unwrap(built.host).expect("it was just made")),
             Err(Misfit::Foreign) => Err(Misfit::Foreign),
             Err(Misfit::Alignment) => {
-                let built = self.members(structure, members, size, purpose, false)?;
+                let built = self.members(structure, members, size, purpose, false, whole)?;
                 Ok(Rc::try_unwrap(built.host).expect("it was just made"))
             }
         }
@@ -108,6 +116,7 @@ impl Lowerer<'_> {
         size: u64,
         purpose: Purpose,
         typed: bool,
+        part: Part,
     ) -> Result<Built, Misfit> {
         let uniform = purpose == Purpose::Uniform;
         let mut members = Vec::with_capacity(layouts.len());
@@ -138,7 +147,11 @@ impl Lowerer<'_> {
             let name = layout.name.to_string();
             members.push(HostMember { name, index: index as u32, offset, host: built.host });
         }
-        let span = u32::try_from(size).map_err(|_| Misfit::Foreign)?;
+        let mut span = u32::try_from(size).map_err(|_| Misfit::Foreign)?;
+        if part == Part::Whole {
+            // A block with dvec3 is padded to 32 by naga, to 16 by std140: nothing follows it.
+            span = span.checked_next_multiple_of(align).ok_or(Misfit::Foreign)?;
+        }
         let naga = if typed {
             if !span.is_multiple_of(align) {
                 return Err(Misfit::Alignment);
@@ -196,7 +209,7 @@ impl Lowerer<'_> {
                     (None, size) => size,
                 };
                 let size = size.ok_or(Misfit::Foreign)?;
-                self.members(&structure, &layout.members, size, purpose, typed)
+                self.members(&structure, &layout.members, size, purpose, typed, Part::Member)
             }
             Type::Atomic(_) | Type::Address(_) => Err(Misfit::Foreign),
         }
@@ -204,12 +217,12 @@ impl Lowerer<'_> {
 
     fn leaf(&mut self, ty: Ty, typed: bool, atomic: bool) -> Result<Built, Misfit> {
         let (kind, _) = ty.components().expect("a leaf is a scalar or vector");
-        if !typed && (atomic || !matches!(kind, Kind::Bool | Kind::Int | Kind::Uint | Kind::Float))
-        {
+        if !typed && (atomic || (kind != Kind::Bool && kind.scalar().width < 4)) {
             return Err(Misfit::Foreign);
         }
         let held = if kind == Kind::Bool { ty.with_kind(Kind::Uint) } else { ty.clone() };
-        let carried = carrier(&mut self.ir.types, &held).ok_or(Misfit::Foreign)?;
+        let carried =
+            carrier(&mut self.ir.types, &mut self.carriers, &held).ok_or(Misfit::Foreign)?;
         let mut naga = carried.handle;
         if atomic {
             let inner = TypeInner::Atomic(kind.scalar());
@@ -237,9 +250,9 @@ impl Lowerer<'_> {
         let stride = stride.ok_or(Misfit::Foreign)?;
         let row_major = layout.row_major;
         let (count, length) = if row_major { (rows, columns) } else { (columns, rows) };
-        let vector =
-            carrier(&mut self.ir.types, &Ty::Vector(kind, length)).ok_or(Misfit::Foreign)?;
-        if !typed && kind != Kind::Float {
+        let vector = carrier(&mut self.ir.types, &mut self.carriers, &Ty::Vector(kind, length))
+            .ok_or(Misfit::Foreign)?;
+        if !typed && kind == Kind::Half {
             return Err(Misfit::Foreign);
         }
         if typed && !stride.is_multiple_of(vector.align) {
@@ -247,7 +260,7 @@ impl Lowerer<'_> {
         }
         let plain = !row_major && stride == vector.align;
         let naga = if plain {
-            carrier(&mut self.ir.types, &ty).ok_or(Misfit::Foreign)?.handle
+            carrier(&mut self.ir.types, &mut self.carriers, &ty).ok_or(Misfit::Foreign)?.handle
         } else {
             let len = NonZeroU32::new(count.into()).expect("a matrix has columns and rows");
             let size = ArraySize::Constant(len);
@@ -299,7 +312,7 @@ impl Lowerer<'_> {
 
     /// The memory of a `shared` variable that atomic functions change: naga's own offsets.
     pub fn host_of_shared(&mut self, ty: &Ty) -> Option<Rc<Host>> {
-        let carried = carrier(&mut self.ir.types, ty)?;
+        let carried = carrier(&mut self.ir.types, &mut self.carriers, ty)?;
         let (kind, naga) = match ty {
             Ty::Scalar(kind @ (Kind::Int | Kind::Uint)) => {
                 let inner = TypeInner::Atomic(kind.scalar());
@@ -351,7 +364,8 @@ impl Lowerer<'_> {
     pub fn words(&mut self, size: u32, runtime: bool, purpose: Purpose) -> Handle<naga::Type> {
         let uniform = purpose == Purpose::Uniform;
         let unit = if uniform { Ty::Vector(Kind::Uint, 4) } else { Ty::UINT };
-        let unit = carrier(&mut self.ir.types, &unit).expect("a plain type is carried");
+        let unit = carrier(&mut self.ir.types, &mut self.carriers, &unit)
+            .expect("a plain type is carried");
         let count = size.div_ceil(unit.size).max(1);
         let len = NonZeroU32::new(count).expect("at least one");
         let array = TypeInner::Array {

@@ -39,7 +39,7 @@ use crate::diagnostic::Diagnostic;
 use crate::parse::glsl::{Texts, tokens};
 use crate::source::{Files, Source, Span, Stage};
 use crate::{BlockLayout, Options, Severity, layout};
-use types::{Carrier, Structure, Ty, carrier};
+use types::{Carriers, Structure, Ty, carrier};
 
 /// A result of lowering: what cannot be lowered is said with its place.
 pub(super) type R<T> = Result<T, Box<Diagnostic>>;
@@ -96,10 +96,12 @@ pub struct Lowerer<'a> {
     pub predeclared: FxHashMap<String, usize>,
     pub io: Vec<io::Io>,
     structures: FxHashMap<&'a str, Ty>,
+    /// Structures that cannot run, and why.
+    broken: FxHashMap<&'a str, Box<Diagnostic>>,
     /// Structures by where their names stand: so the layout tells which it means.
     structures_at: FxHashMap<(u32, u32), Rc<Structure>>,
     next_structure: u32,
-    carriers: FxHashMap<u32, Carrier>,
+    carriers: Carriers,
     pub functions: Vec<function::Entry<'a>>,
     pub function_names: FxHashMap<&'a str, Vec<usize>>,
     /// Names of members and variables that atomic functions change.
@@ -111,8 +113,10 @@ pub struct Lowerer<'a> {
     /// Initialisers of global variables, which the entry point runs first.
     initialisers: Vec<(usize, Rc<ast::Declaration<'a>>, usize)>,
     pub left_out: Vec<Diagnostic>,
-    /// Functions being lowered, one for the sake of the other.
+    /// Levels of functions, statements and expressions that lowering is in.
     pub nesting: u32,
+    /// Expressions of the functions that are done.
+    pub expressions: usize,
 }
 
 /// Lowers a GLSL shader.
@@ -153,6 +157,7 @@ pub(super) fn lower(source: &Source, options: &Options) -> Result<Lowered, Vec<D
         predeclared: FxHashMap::default(),
         io: Vec::new(),
         structures: FxHashMap::default(),
+        broken: FxHashMap::default(),
         structures_at: FxHashMap::default(),
         next_structure: 0,
         carriers: FxHashMap::default(),
@@ -165,6 +170,7 @@ pub(super) fn lower(source: &Source, options: &Options) -> Result<Lowered, Vec<D
         initialisers: Vec::new(),
         left_out: Vec::new(),
         nesting: 0,
+        expressions: 0,
     };
     lowerer.items(&items)?;
     let functions = lowerer.lower_functions()?;
@@ -189,12 +195,7 @@ impl Lowerer<'_> {
 
     /// The naga type that carries values of a type.
     pub fn carrier(&mut self, ty: &Ty, span: Span) -> R<Handle<naga::Type>> {
-        if let Ty::Struct(s) = ty {
-            if let Some(known) = self.carriers.get(&s.id) {
-                return Ok(known.handle);
-            }
-        }
-        let Some(found) = carrier(&mut self.ir.types, ty) else {
+        let Some(found) = carrier(&mut self.ir.types, &mut self.carriers, ty) else {
             let message = match ty {
                 Ty::Array(_, None) => format!("`{ty}` has no size, and no value"),
                 Ty::Array(..) | Ty::Struct(_) => format!("values of `{ty}` are too large, or none"),
@@ -202,9 +203,6 @@ impl Lowerer<'_> {
             };
             return Err(refuse(span, message));
         };
-        if let Ty::Struct(s) = ty {
-            self.carriers.insert(s.id, found);
-        }
         Ok(found.handle)
     }
 }

@@ -7,6 +7,9 @@ use super::ast::Binary;
 use super::body::{Body, Val};
 use super::types::{Kind, Ty, carried};
 
+/// Values compared one by one, at most.
+const MOST_COMPARED: u64 = 1024;
+
 impl Body<'_, '_> {
     /// A value as another type it becomes by itself.
     pub fn coerce(&mut self, value: &Val, ty: &Ty) -> R<Val> {
@@ -222,6 +225,9 @@ impl Body<'_, '_> {
             true => (B::Equal, RelationalFunction::All, B::LogicalAnd),
             false => (B::NotEqual, RelationalFunction::Any, B::LogicalOr),
         };
+        if ty.leaves() > MOST_COMPARED {
+            return self.refuse(format!("values of `{ty}` are too large to be compared"));
+        }
         let parts: Vec<(u32, Ty)> = match ty {
             Ty::Scalar(_) => return Ok(self.binary(op, a, b)),
             Ty::Vector(..) => {
@@ -231,9 +237,7 @@ impl Body<'_, '_> {
             Ty::Matrix(kind, columns, rows) => {
                 (0..*columns).map(|i| (i.into(), Ty::Vector(*kind, *rows))).collect()
             }
-            Ty::Array(element, Some(len)) if *len <= 256 => {
-                (0..*len).map(|i| (i, (**element).clone())).collect()
-            }
+            Ty::Array(element, Some(len)) => (0..*len).map(|i| (i, (**element).clone())).collect(),
             Ty::Struct(s) => {
                 carried(s).enumerate().map(|(i, f)| (i as u32, f.ty.clone())).collect()
             }

@@ -14,6 +14,9 @@ use super::{Lowerer, R};
 /// Arrays longer than this are copied by a loop.
 const LONGEST_UNROLLED: u32 = 8;
 
+/// Values copied one by one, at most.
+const MOST_COPIED: u64 = 4096;
+
 /// Where a value is kept.
 #[derive(Clone, Debug)]
 pub enum Mem {
@@ -120,7 +123,7 @@ impl Body<'_, '_> {
             (Address::Pointer(pointer), index) => Address::Pointer(self.at(*pointer, index)),
             (Address::Words { .. }, Index::Fixed(i)) => at.further(i.saturating_mul(stride)),
             (Address::Words { block, fours, fixed, dynamic }, Index::Dynamic(index)) => {
-                let index = self.to_u32(index);
+                let index = self.unsigned_index(index);
                 let stride = self.u32(stride);
                 let mut bytes = self.binary(BinaryOperator::Multiply, index, stride);
                 if let Some(dynamic) = dynamic {
@@ -133,7 +136,7 @@ impl Body<'_, '_> {
     }
 
     /// An index as `u32`; it is `i32` or `u32`, which a conversion leaves or takes as bits.
-    fn to_u32(&mut self, index: Handle<Expression>) -> Handle<Expression> {
+    fn unsigned_index(&mut self, index: Handle<Expression>) -> Handle<Expression> {
         let kind = naga::ScalarKind::Uint;
         self.add(Expression::As { expr: index, kind, convert: Some(4) })
     }
@@ -296,7 +299,10 @@ impl Body<'_, '_> {
                 let expr = self.add(Expression::Load { pointer: *pointer });
                 Ok(Val { expr, ty: place.ty.clone() })
             }
-            Mem::Host(at, host) => self.load_host(at, host),
+            Mem::Host(at, host) => {
+                self.check_copied(&place.ty)?;
+                self.load_host(at, host)
+            }
             Mem::Column(at, host, column) => {
                 let (_, rows) = stored_vector(&host.ty, true);
                 let mut components = Vec::new();
@@ -312,6 +318,13 @@ impl Body<'_, '_> {
             }
             Mem::Nothing => self.refuse(format!("a `{}` has no value", place.ty)),
         }
+    }
+
+    fn check_copied(&self, ty: &Ty) -> R<()> {
+        if copied(ty) > MOST_COPIED {
+            return self.refuse(format!("values of `{ty}` are too large to be copied as a whole"));
+        }
+        Ok(())
     }
 
     /// Components of a vector, or a scalar several times.
@@ -425,6 +438,16 @@ impl Body<'_, '_> {
         };
         let expr = match at {
             Address::Pointer(pointer) => self.add(Expression::Load { pointer: *pointer }),
+            Address::Words { .. } if kind.scalar().width == 8 => {
+                let mut parts = Vec::new();
+                for i in 0..u32::from(size) {
+                    parts.push(self.load_wide(&at.further(8 * i), kind));
+                }
+                match &parts[..] {
+                    [part] => *part,
+                    _ => self.compose(ty, parts)?.expr,
+                }
+            }
             Address::Words { .. } => {
                 let mut words = Vec::new();
                 for i in 0..u32::from(size) {
@@ -451,6 +474,39 @@ impl Body<'_, '_> {
         let zero = self.splat(&zero, size)?;
         let expr = self.binary(BinaryOperator::NotEqual, expr, zero.expr);
         Ok(Val { expr, ty: ty.clone() })
+    }
+
+    /// A scalar of 8 bytes, of two words.
+    fn load_wide(&mut self, at: &Address, kind: Kind) -> Handle<Expression> {
+        let uint = naga::ScalarKind::Uint;
+        let mut halves = Vec::new();
+        for i in 0..2 {
+            let pointer = self.word(&at.further(4 * i));
+            let expr = self.add(Expression::Load { pointer });
+            halves.push(self.add(Expression::As { expr, kind: uint, convert: Some(8) }));
+        }
+        let by = self.u32(32);
+        let high = self.binary(BinaryOperator::ShiftLeft, halves[1], by);
+        let expr = self.binary(BinaryOperator::InclusiveOr, halves[0], high);
+        match kind {
+            Kind::Ulong => expr,
+            _ => self.add(Expression::As { expr, kind: kind.scalar().kind, convert: None }),
+        }
+    }
+
+    fn store_wide(&mut self, at: &Address, kind: Kind, value: Handle<Expression>) {
+        let uint = naga::ScalarKind::Uint;
+        let bits = match kind {
+            Kind::Ulong => value,
+            _ => self.add(Expression::As { expr: value, kind: uint, convert: None }),
+        };
+        let by = self.u32(32);
+        let high = self.binary(BinaryOperator::ShiftRight, bits, by);
+        for (i, half) in [(0, bits), (1, high)] {
+            let value = self.add(Expression::As { expr: half, kind: uint, convert: Some(4) });
+            let pointer = self.word(&at.further(4 * i));
+            self.statement(Statement::Store { pointer, value });
+        }
     }
 
     /// A pointer to the word at an address.
@@ -505,7 +561,10 @@ impl Body<'_, '_> {
                 self.statement(Statement::Store { pointer: *pointer, value: value.expr });
                 Ok(())
             }
-            Mem::Host(at, host) => self.store_host(at, host, value.expr),
+            Mem::Host(at, host) => {
+                self.check_copied(&place.ty)?;
+                self.store_host(at, host, value.expr)
+            }
             Mem::Column(at, host, column) => {
                 let (_, rows) = stored_vector(&host.ty, true);
                 for row in 0..rows {
@@ -608,6 +667,12 @@ impl Body<'_, '_> {
             Address::Pointer(pointer) => {
                 self.statement(Statement::Store { pointer: *pointer, value });
             }
+            Address::Words { .. } if kind.scalar().width == 8 => {
+                for i in 0..size {
+                    let part = if size == 1 { value } else { self.part(value, i.into()) };
+                    self.store_wide(&at.further(8 * u32::from(i)), kind, part);
+                }
+            }
             Address::Words { .. } => {
                 if !matches!(kind, Kind::Bool | Kind::Uint) {
                     let kind = naga::ScalarKind::Uint;
@@ -645,6 +710,18 @@ impl Body<'_, '_> {
         let kind = naga::ScalarKind::Sint;
         let expr = self.add(Expression::As { expr: length, kind, convert: Some(4) });
         Ok(Val { expr, ty: Ty::INT })
+    }
+}
+
+/// Values that are copied one by one when a value is, a loop's counted once.
+fn copied(ty: &Ty) -> u64 {
+    match ty {
+        Ty::Array(element, len) => {
+            let unrolled = len.filter(|&len| len <= LONGEST_UNROLLED).unwrap_or(1);
+            copied(element).saturating_mul(unrolled.into())
+        }
+        Ty::Struct(s) => s.members.iter().fold(0u64, |sum, m| sum.saturating_add(copied(&m.ty))),
+        Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Matrix(..) | Ty::Opaque(_) => 1,
     }
 }
 

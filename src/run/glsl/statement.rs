@@ -302,10 +302,11 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// Labels and the statements after them; the place of a statement before the first label.
-fn groups<'s, 'a>(
-    mut rest: &'s [Statement<'a>],
-) -> Result<Vec<(&'s [Statement<'a>], &'s [Statement<'a>])>, crate::Span> {
+/// Labels, and the statements after them.
+type Group<'s, 'a> = (&'s [Statement<'a>], &'s [Statement<'a>]);
+
+/// The cases of a `switch`; the place of a statement before the first label.
+fn groups<'s, 'a>(mut rest: &'s [Statement<'a>]) -> Result<Vec<Group<'s, 'a>>, crate::Span> {
     let mut groups = Vec::new();
     while let Some(first) = rest.first() {
         let (labels, after) = rest.split_at(rest.iter().take_while(|s| is_label(s)).count());

@@ -4,6 +4,8 @@ use std::fmt;
 use std::num::NonZeroU32;
 use std::rc::Rc;
 
+use rustc_hash::FxHashMap;
+
 use naga::{ArraySize, Handle, ScalarKind, StructMember, TypeInner, VectorSize};
 
 /// What a component is.
@@ -43,6 +45,8 @@ pub struct Structure {
     pub members: Vec<Field>,
     /// Whether a sampler or image is in it, at any depth.
     pub opaque: bool,
+    /// Scalars, vectors, matrices and handles in it, elements of arrays counted each.
+    pub leaves: u64,
 }
 
 #[derive(Clone, Debug)]
@@ -282,6 +286,15 @@ impl Ty {
             }
     }
 
+    /// Scalars, vectors, matrices and handles in a value, elements of arrays counted each.
+    pub fn leaves(&self) -> u64 {
+        match self {
+            Ty::Array(element, len) => element.leaves().saturating_mul(len.unwrap_or(1).into()),
+            Ty::Struct(s) => s.leaves,
+            Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Matrix(..) | Ty::Opaque(_) => 1,
+        }
+    }
+
     pub fn has_opaque(&self) -> bool {
         match self {
             Ty::Opaque(_) => true,
@@ -318,8 +331,15 @@ pub struct Carrier {
     pub align: u32,
 }
 
+/// The types that carry values of structures, by number.
+pub type Carriers = FxHashMap<u32, Carrier>;
+
 /// The type that carries values of a type; `None` when it is too large, or carries nothing.
-pub fn carrier(types: &mut naga::UniqueArena<naga::Type>, ty: &Ty) -> Option<Carrier> {
+pub fn carrier(
+    types: &mut naga::UniqueArena<naga::Type>,
+    known: &mut Carriers,
+    ty: &Ty,
+) -> Option<Carrier> {
     let plain = |types: &mut naga::UniqueArena<naga::Type>, inner: TypeInner| {
         types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
     };
@@ -351,7 +371,7 @@ pub fn carrier(types: &mut naga::UniqueArena<naga::Type>, ty: &Ty) -> Option<Car
             Carrier { handle: plain(types, inner), size: align * u32::from(*c), align }
         }
         Ty::Array(element, Some(len)) => {
-            let base = carrier(types, element)?;
+            let base = carrier(types, known, element)?;
             let stride = base.size.checked_next_multiple_of(base.align)?;
             let size = ArraySize::Constant(NonZeroU32::new(*len)?);
             let inner = TypeInner::Array { base: base.handle, size, stride };
@@ -359,10 +379,13 @@ pub fn carrier(types: &mut naga::UniqueArena<naga::Type>, ty: &Ty) -> Option<Car
             Carrier { handle: plain(types, inner), size, align: base.align }
         }
         Ty::Struct(s) => {
+            if let Some(known) = known.get(&s.id) {
+                return Some(*known);
+            }
             let (mut offset, mut align) = (0u32, 1u32);
             let mut members = Vec::with_capacity(s.members.len());
             for field in carried(s) {
-                let member = carrier(types, &field.ty)?;
+                let member = carrier(types, known, &field.ty)?;
                 offset = offset.checked_next_multiple_of(member.align)?;
                 members.push(StructMember {
                     name: Some(field.name.clone()),
@@ -380,7 +403,9 @@ pub fn carrier(types: &mut naga::UniqueArena<naga::Type>, ty: &Ty) -> Option<Car
             let inner = TypeInner::Struct { members, span };
             let name = (!s.name.is_empty()).then(|| s.name.clone());
             let handle = types.insert(naga::Type { name, inner }, naga::Span::UNDEFINED);
-            Carrier { handle, size: span, align }
+            let carrier = Carrier { handle, size: span, align };
+            known.insert(s.id, carrier);
+            carrier
         }
         Ty::Void | Ty::Opaque(_) | Ty::Array(_, None) => return None,
     })
