@@ -52,13 +52,16 @@ pub(super) fn column_stride(rows: naga::VectorSize, scalar: naga::Scalar) -> u32
     rows * u32::from(scalar.width)
 }
 
+/// Scalars of each class, or what is not supported.
+type Counted = Result<[u64; 3], String>;
+
 /// Types of a module, flattened.
 pub(super) struct Types<'a> {
     pub arena: &'a UniqueArena<Type>,
     /// Lengths given by override expressions.
     pub pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
     /// What was counted: a structure may have another twice, and that one a third.
-    pub counted: RefCell<FxHashMap<Handle<Type>, Result<[u64; 3], String>>>,
+    pub counted: RefCell<FxHashMap<Handle<Type>, Counted>>,
 }
 
 impl<'a> Types<'a> {

@@ -158,10 +158,11 @@ fn what_is_too_large_is_refused_without_being_built() {
     for i in 1..21 {
         text.push_str(&format!("struct S{i} {{ a: S{}, b: S{} }}\n", i - 1, i - 1));
     }
-    text.push_str("var<private> p: S20;\nfn f(a: f32) -> f32 { return p.a.a.a.b.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.b.x + a; }\n");
-    text.push_str(
-        "fn g(a: f32) -> f32 { var l: array<f32, 4000000>; l[u32(a)] = a; return l[0]; }",
-    );
+    let way = ".a".repeat(20);
+    text.push_str("var<private> p: S20;\n");
+    text.push_str(&format!("fn f(a: f32) -> f32 {{ return p{way}.b.x + a; }}\n"));
+    text.push_str("fn g(a: f32) -> f32 { var l: array<f32, 4000000>; ");
+    text.push_str("l[u32(a)] = a; return l[0]; }");
     let p = program(&text);
     for function in ["f", "g"] {
         let call = Call { function, lanes: 1, arguments: vec![bits(&[1.0])], resources: &[] };
