@@ -4,8 +4,11 @@
 //! Reads naga's types, whose offsets and strides are ours; feeds
 //! [`compile`](super::compile).
 
+use std::cell::RefCell;
+
 use naga::proc::TypeResolution;
 use naga::{ArraySize, Handle, ScalarKind, Type, TypeInner, UniqueArena};
+use rustc_hash::FxHashMap;
 
 use super::code::{Class, Stored};
 
@@ -49,11 +52,16 @@ pub(super) fn column_stride(rows: naga::VectorSize, scalar: naga::Scalar) -> u32
     rows * u32::from(scalar.width)
 }
 
+/// Scalars of each class, or what is not supported.
+type Counted = Result<[u64; 3], String>;
+
 /// Types of a module, flattened.
 pub(super) struct Types<'a> {
     pub arena: &'a UniqueArena<Type>,
     /// Lengths given by override expressions.
     pub pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
+    /// What was counted: a structure may have another twice, and that one a third.
+    pub counted: RefCell<FxHashMap<Handle<Type>, Counted>>,
 }
 
 impl<'a> Types<'a> {
@@ -72,13 +80,13 @@ impl<'a> Types<'a> {
             }
             TypeInner::Array { base, size, .. } => {
                 let len = u64::from(self.len(*size).ok_or("a runtime-sized array as a value")?);
-                let counts = self.counts(&self.arena[*base].inner)?;
+                let counts = self.counts_of(*base)?;
                 Ok(counts.map(|n| n.saturating_mul(len)))
             }
             TypeInner::Struct { members, .. } => {
                 let mut sum = [0u64; 3];
                 for member in members {
-                    let counts = self.counts(&self.arena[member.ty].inner)?;
+                    let counts = self.counts_of(member.ty)?;
                     for (sum, n) in sum.iter_mut().zip(counts) {
                         *sum = sum.saturating_add(n);
                     }
@@ -88,6 +96,15 @@ impl<'a> Types<'a> {
             TypeInner::Image { .. } | TypeInner::Sampler { .. } => Ok([0, 1, 0]),
             other => Err(format!("values of type {}", kind_name(other))),
         }
+    }
+
+    fn counts_of(&self, ty: Handle<Type>) -> Result<[u64; 3], String> {
+        if let Some(known) = self.counted.borrow().get(&ty) {
+            return known.clone();
+        }
+        let counts = self.counts(&self.arena[ty].inner);
+        self.counted.borrow_mut().insert(ty, counts.clone());
+        counts
     }
 
     /// How many scalars a type has.

@@ -11,7 +11,7 @@ use crate::source::Stage;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Port {
-    /// A location, and whether it is interpolated.
+    /// A location.
     Location(u32),
     /// `@builtin(position)`: in clip space of a vertex, in pixels of a fragment.
     Position,
@@ -31,8 +31,6 @@ pub enum Port {
     WorkgroupId,
     WorkgroupSize,
     NumWorkgroups,
-    /// A builtin the evaluator does not give: it reads as zero.
-    Other,
 }
 
 /// A port, its registers and how it goes from the vertices to a fragment.
@@ -64,7 +62,7 @@ pub(super) fn interface(
     types: &Types,
     entry: &naga::EntryPoint,
     compiled: &Compiled,
-) -> Option<Interface> {
+) -> Result<Interface, String> {
     let mut inputs = Vec::new();
     for (argument, compiled) in entry.function.arguments.iter().zip(&compiled.arguments) {
         let inner = &ir.types[argument.ty].inner;
@@ -82,7 +80,7 @@ pub(super) fn interface(
         ShaderStage::Compute => Some(Stage::Compute),
         _ => None,
     };
-    Some(Interface { stage, workgroup: entry.workgroup_size, inputs, outputs })
+    Ok(Interface { stage, workgroup: entry.workgroup_size, inputs, outputs })
 }
 
 fn plugs(
@@ -92,42 +90,42 @@ fn plugs(
     binding: Option<&Binding>,
     regs: &[Reg],
     to: &mut Vec<Plug>,
-) -> Option<()> {
+) -> Result<(), String> {
     if let Some(binding) = binding {
-        to.push(plug(binding, regs));
-        return Some(());
+        to.push(plug(binding, regs)?);
+        return Ok(());
     }
     let TypeInner::Struct { members, .. } = inner else {
-        return None;
+        return Err("an input or output without a location".into());
     };
     let mut at = 0;
     for member in members {
         let inner = &ir.types[member.ty].inner;
-        let count = types.leaf_count(inner).ok()? as usize;
+        let count = types.leaf_count(inner)? as usize;
         let part = &regs[at..at + count];
         plugs(ir, types, inner, member.binding.as_ref(), part, to)?;
         at += count;
     }
-    Some(())
+    Ok(())
 }
 
-fn plug(binding: &Binding, regs: &[Reg]) -> Plug {
+fn plug(binding: &Binding, regs: &[Reg]) -> Result<Plug, String> {
     let (port, interpolation) = match binding {
         Binding::Location { location, interpolation, .. } => {
             (Port::Location(*location), *interpolation)
         }
-        Binding::BuiltIn(builtin) => (port(*builtin), None),
+        Binding::BuiltIn(builtin) => (port(*builtin)?, None),
     };
-    Plug {
+    Ok(Plug {
         port,
         regs: regs.to_vec(),
         flat: interpolation == Some(naga::Interpolation::Flat),
         linear: interpolation == Some(naga::Interpolation::Linear),
-    }
+    })
 }
 
-fn port(builtin: BuiltIn) -> Port {
-    match builtin {
+fn port(builtin: BuiltIn) -> Result<Port, String> {
+    Ok(match builtin {
         BuiltIn::Position { .. } => Port::Position,
         BuiltIn::VertexIndex => Port::VertexIndex,
         BuiltIn::InstanceIndex => Port::InstanceIndex,
@@ -145,6 +143,6 @@ fn port(builtin: BuiltIn) -> Port {
         BuiltIn::WorkGroupId => Port::WorkgroupId,
         BuiltIn::WorkGroupSize => Port::WorkgroupSize,
         BuiltIn::NumWorkGroups => Port::NumWorkgroups,
-        _ => Port::Other,
-    }
+        other => return Err(format!("the builtin `{other:?}`")),
+    })
 }

@@ -40,13 +40,22 @@ pub use value::{Value, ValueType};
 
 use super::Module;
 
+/// Bytes of stack for compiling.
+const STACK: usize = 256 << 20;
+
 impl Program {
     /// Compiles a module; `overrides` are values of its pipeline constants by name or id.
     ///
     /// A function that uses what is not supported (storage textures, cube maps, ray
     /// queries, subgroup operations) is refused where it is run, by what it uses.
     pub fn new(module: &Module, overrides: &[(String, f64)]) -> Program {
-        let mut program = compile::compile(&module.ir, &module.info, overrides);
+        // Blocks may nest as deep as the text does; the stack is touched only as far.
+        let compile = || compile::compile(&module.ir, &module.info, overrides);
+        let mut program = std::thread::scope(|scope| {
+            let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);
+            let thread = thread.expect("there is memory for a thread");
+            thread.join().expect("compiling a validated module does not panic")
+        });
         program.files = module.files.clone();
         program.bases = module.bases.clone();
         program

@@ -32,6 +32,9 @@ pub struct Cpu {
     compiled: Vec<(Arc<Module>, Arc<Program>)>,
 }
 
+/// Output 0 of a batch, and the lanes that have one.
+type Tile = (Numbers, u64);
+
 /// Modules kept compiled.
 const KEPT: usize = 8;
 
@@ -114,7 +117,9 @@ impl Cpu {
                 let pixels = (0..count as usize)
                     .map(|i| first.map_or([0; 4], |(_, numbers)| pixel(numbers, i)))
                     .collect();
-                (outputs.notes, vec![None; job.resources.len()], pixels)
+                let buffers = vertices.buffers.into_iter().zip(outputs.buffers);
+                let left = buffers.map(|(vertex, fragment)| vertex.or(fragment)).collect();
+                (outputs.notes, left, pixels)
             }
         };
         self.notes = notes;
@@ -263,7 +268,7 @@ fn image<R: Real>(
     triangle: Option<&Triangle>,
     job: &Job,
     settings: &Settings,
-) -> Result<(Outcome<(Numbers, u64)>, Vec<[u32; 4]>), Failure> {
+) -> Result<(Outcome<Tile>, Vec<[u32; 4]>), Failure> {
     let number = program.entry(entry)?;
     let code = &program.functions[number as usize];
     let interface = code.interface.as_ref().expect("an entry point has an interface");
@@ -277,7 +282,7 @@ fn image<R: Real>(
         return Err(failure(FailureKind::Refused, message));
     };
     let first = interface.outputs.iter().find(|plug| plug.port == Port::Location(0));
-    let outcome = program.drive::<R, (Numbers, u64)>(&bound, batches, settings, |m, batch| {
+    let outcome = program.drive::<R, Tile>(&bound, batches, settings, |m, batch| {
         let places = tile(batch, across);
         let mut inside = 0u64;
         for (lane, [x, y]) in places.iter().enumerate() {

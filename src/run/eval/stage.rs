@@ -88,6 +88,8 @@ pub struct Outputs {
     pub ports: Vec<(Port, Numbers)>,
     /// Which invocations were discarded.
     pub discarded: Vec<bool>,
+    /// By resource: what is left in a buffer that the entry point writes.
+    pub buffers: Vec<Option<Vec<u8>>>,
     /// Notes of the run.
     pub notes: Notes,
 }
@@ -146,9 +148,10 @@ impl Program {
                     .map(|plug| (plug.port, Numbers::read(m, &plug.regs, lanes)))
                     .collect();
                 let discarded = (0..lanes).map(|lane| m.killed >> lane & 1 == 1).collect();
-                Ok(Outputs { ports, discarded, notes: Notes::default() })
+                Ok(Outputs { ports, discarded, ..Outputs::default() })
             })?;
-        let mut outputs = Outputs { notes: outcome.notes, ..Outputs::default() };
+        let mut outputs =
+            Outputs { notes: outcome.notes, buffers: outcome.left, ..Outputs::default() };
         for batch in outcome.results {
             outputs.discarded.extend(batch.discarded);
             if outputs.ports.is_empty() {
@@ -311,6 +314,9 @@ impl Program {
                 if let Some(watch) = &mut machine.watch {
                     watch.next_batch();
                 }
+                if settings.deadline.is_some_and(|deadline| Instant::now() > deadline) {
+                    return Err(Stopped::Late);
+                }
                 let parted = machine.watch.as_ref().map_or(0, |w| w.parted.len());
                 results.push(each(&mut machine, batch)?);
                 if let Some(watch) = &mut machine.watch {
@@ -424,6 +430,10 @@ impl Program {
             }
             Stopped::Deadline(origin) => {
                 (FailureKind::TimedOut, "a loop was still running when the time was up", origin)
+            }
+            Stopped::Late => {
+                let message = "the time was up before all invocations had run".into();
+                return failure(FailureKind::TimedOut, message);
             }
             Stopped::Barrier(origin) => (
                 FailureKind::Refused,

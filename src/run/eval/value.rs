@@ -127,6 +127,7 @@ impl ValueType {
 
 /// The plain type of one of naga's; none if it has none.
 pub(super) fn value_type(types: &Types, ty: &naga::Type) -> Option<ValueType> {
+    types.leaf_count(&ty.inner).ok()?;
     Some(match &ty.inner {
         TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => ValueType::Scalar(plain(*scalar)?),
         TypeInner::Vector { size, scalar } => {

@@ -1,5 +1,6 @@
 //! What compiling fills: constants, registers, instructions, in the end a [`Program`].
 
+use std::cell::RefCell;
 use std::rc::Rc;
 
 use naga::valid::ModuleInfo;
@@ -46,17 +47,15 @@ pub(in crate::run::eval) struct Body {
     pub pool: Vec<u32>,
     /// Temporaries of each class.
     pub temporaries: [u32; 3],
-    /// Variables numbered from here on belong to this function.
-    pub own: [u32; 3],
     pub origin: Option<Origin>,
     /// Why it has grown past what can be run.
     pub overflow: bool,
 }
 
-/// Registers a program may have: 2 million are 512 megabytes of `f32`.
-const MOST_REGISTERS: u32 = 1 << 21;
+/// Registers a program may have: half a million are 128 megabytes of `f32` a thread.
+const MOST_REGISTERS: u32 = 1 << 19;
 /// Operands of a program.
-const MOST_OPERANDS: usize = 1 << 26;
+const MOST_OPERANDS: usize = 1 << 24;
 
 impl<'a> Builder<'a> {
     pub fn new(
@@ -68,7 +67,7 @@ impl<'a> Builder<'a> {
         Builder {
             ir,
             info,
-            types: Types { arena: &ir.types, pending },
+            types: Types { arena: &ir.types, pending, counted: RefCell::default() },
             overrides,
             buffers: Vec::new(),
             images: Vec::new(),
@@ -171,7 +170,7 @@ impl<'a> Builder<'a> {
     /// One instruction; its number.
     pub fn push(&mut self, op: Op, head: &[Reg], operands: &[u32]) -> u32 {
         let len = op.shape().len();
-        let groups = if len == 0 { 0 } else { operands.len() / len };
+        let groups = operands.len().checked_div(len).unwrap_or(0);
         debug_assert_eq!(groups * len, operands.len());
         let body = &mut self.body;
         if body.pool.len() + operands.len() > MOST_OPERANDS {
@@ -200,8 +199,7 @@ impl<'a> Builder<'a> {
     }
 
     pub fn begin(&mut self, function: u32) {
-        self.body =
-            Body { own: self.variables, origin: Some(nowhere(function)), ..Body::default() };
+        self.body = Body { origin: Some(nowhere(function)), ..Body::default() };
     }
 
     /// Tidies the function at hand and puts it behind the others.
@@ -231,8 +229,13 @@ impl<'a> Builder<'a> {
             },
             Ok(compiled) => {
                 let start = self.append(body);
-                let interface =
-                    entry.and_then(|entry| interface(self.ir, &self.types, entry, &compiled));
+                let interface = entry
+                    .map(|entry| interface(self.ir, &self.types, entry, &compiled))
+                    .transpose();
+                let (state, interface) = match interface {
+                    Ok(interface) => (Ok(start), interface),
+                    Err(why) => (Err(why), None),
+                };
                 let arguments = compiled
                     .arguments
                     .into_iter()
@@ -245,7 +248,7 @@ impl<'a> Builder<'a> {
                     .collect();
                 FunctionCode {
                     name,
-                    state: Ok(start),
+                    state,
                     arguments,
                     result: compiled.result.to_vec(),
                     result_type: compiled.result_type,
@@ -321,7 +324,7 @@ impl<'a> Builder<'a> {
         let registers =
             [0, 1, 2].map(|class| constants[class] + variables[class] + self.temporaries[class]);
         debug_assert_eq!(LANES, 64);
-        let starts = functions.iter().map(|f| f.state.clone().unwrap_or(0)).collect();
+        let starts = functions.iter().map(|f| *f.state.as_ref().unwrap_or(&0)).collect();
         Program {
             costs: self.code.iter().map(price).collect(),
             starts,

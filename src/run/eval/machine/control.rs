@@ -176,7 +176,7 @@ impl<R: Real> Machine<'_, '_, R> {
         if self.batch_steps >= self.budget && self.steps.iter().any(|&n| n >= self.budget) {
             return Err(Stopped::Budget(self.program.origins[pc]));
         }
-        if self.batch_steps % 1024 == 0 {
+        if self.batch_steps.is_multiple_of(1024) {
             if let Some(deadline) = self.deadline {
                 if std::time::Instant::now() > deadline {
                     return Err(Stopped::Deadline(self.program.origins[pc]));

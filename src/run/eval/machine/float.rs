@@ -327,16 +327,16 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(9) {
             let (to, from) = group.split_at(3);
             let (a, b) = from.split_at(3);
-            for i in 0..3 {
+            for (i, &to) in to.iter().enumerate() {
                 let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                let mut product: Column<R> = take(&mut self.reals, to[i]);
+                let mut product: Column<R> = take(&mut self.reals, to);
                 let of = |reg: u32| column(&self.reals, reg);
                 let (aj, bk, ak, bj) = (of(a[j]), of(b[k]), of(a[k]), of(b[j]));
                 for lane in 0..LANES {
                     let left = aj[lane].mul(bk[lane]);
                     product[lane] = left.sub(ak[lane].mul(bj[lane]));
                 }
-                self.reals[to[i] as usize] = Some(product);
+                self.reals[to as usize] = Some(product);
             }
         }
     }

@@ -48,6 +48,8 @@ pub(super) enum Stopped {
     Budget(Origin),
     /// The time was up.
     Deadline(Origin),
+    /// The time was up between two batches.
+    Late,
     /// A barrier that some invocations do not come to, or of more than a batch.
     Barrier(Origin),
 }

@@ -6,7 +6,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, LANES, Op};
+use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, Op};
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::memory::elements;
@@ -242,11 +242,10 @@ impl<R: Real> Machine<'_, '_, R> {
             let reads = if takes { reads } else { &[] };
             for &to in &group[..shape.writes] {
                 let results = column(&self.reals, to);
-                for lane in 0..LANES {
+                for (lane, &result) in results.iter().enumerate() {
                     if self.active >> lane & 1 == 0 {
                         continue;
                     }
-                    let result = results[lane];
                     let operand = |reg: &u32| column(&self.reals, *reg)[lane];
                     let finite = |x: R| x.single().is_finite();
                     if !finite(result) && reads.iter().all(|reg| finite(operand(reg))) {

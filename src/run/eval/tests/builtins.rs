@@ -169,7 +169,8 @@ fn functions_of_two_and_three_floats() {
 
 #[test]
 fn comparisons_are_false_of_nan_except_unequal() {
-    let cases: [(&str, fn(f32, f32) -> bool); 6] = [
+    type Case = (&'static str, fn(f32, f32) -> bool);
+    let cases: [Case; 6] = [
         ("a < b", |a, b| a < b),
         ("a <= b", |a, b| a <= b),
         ("a > b", |a, b| a > b),
@@ -293,8 +294,9 @@ fn eliminate(mut m: [[f64; 4]; 4]) -> f64 {
         product *= m[i][i];
         for row in i + 1..4 {
             let k = m[row][i] / m[i][i];
-            for column in i..4 {
-                m[row][column] -= k * m[i][column];
+            let above = m[i];
+            for (cell, above) in m[row].iter_mut().zip(above).skip(i) {
+                *cell -= k * above;
             }
         }
     }
@@ -343,4 +345,22 @@ fn parts_of_numbers() {
         assert!(x == 0.0 || (0.5..1.0).contains(&fraction[i].abs()), "{x}: {}", fraction[i]);
     }
     assert_eq!(words(&p, "nan", &[&bits]), bits);
+}
+
+#[test]
+fn halves_are_rounded_at_each_operation() {
+    let p = program(
+        "enable f16;
+        fn f(a: f32, b: f32) -> f32 {
+            let x = f16(a);
+            let y = f16(b);
+            return f32(x * y + x);
+        }",
+    );
+    let a = [1.001f32, 3.3415, 60000.0, 1e-6];
+    let b = [0.3333f32, -7.7, 2.0, 0.5];
+    let half = |x: f32| half::f16::from_f32(x).to_f32();
+    let expected: Vec<f32> =
+        a.iter().zip(b).map(|(&a, b)| half(half(half(a) * half(b)) + half(a))).collect();
+    assert_eq!(floats(&p, "f", &[&a, &b]), expected);
 }

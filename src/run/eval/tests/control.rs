@@ -20,7 +20,7 @@ fn a_loop_ends_for_each_invocation_by_itself() {
     let reference = |mut n: u32| {
         let mut steps = 0;
         while n > 1 {
-            n = if n % 2 == 0 { n / 2 } else { 3 * n + 1 };
+            n = if n & 1 == 0 { n / 2 } else { 3 * n + 1 };
             steps += 1;
         }
         steps

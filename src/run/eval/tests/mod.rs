@@ -5,6 +5,7 @@ mod support;
 mod builtins;
 mod control;
 mod integers;
+mod lighting;
 mod memory;
 mod notes;
 mod random;

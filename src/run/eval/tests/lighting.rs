@@ -1,0 +1,135 @@
+//! The six lights of `shaders/`, in every language, against values computed with 50 digits.
+
+use super::super::{Invocations, Port, Precision, Program, Settings};
+use super::support::single;
+use crate::Options;
+use crate::buffer::Buffer;
+use crate::run::Module;
+use crate::run::module::HandleKind;
+use crate::run::reader::{Resource, ResourceKind};
+use crate::source::{Source, Stage};
+
+/// Place, normal, the sum of six lights with white textures, and the flashlight's share;
+/// uniforms rounded to `f32`.
+type Golden = ([f32; 3], [f32; 3], f64, f64);
+const GOLDEN: [Golden; 7] = [
+    ([0.0, 0.0, 0.5], [0.0, 0.0, 1.0], 2.26911252149039, 1.40350875377),
+    ([0.4, 0.3, 0.5], [0.0, 0.0, 1.0], 2.1077796668398, 0.735869414475),
+    ([0.5, 0.1, 0.2], [1.0, 0.0, 0.0], 1.02367277644811, 0.0),
+    ([0.75, 0.0, -1.0], [0.3, 0.2, 1.0], 1.29382812566422, 0.460165239996),
+    ([-1.3, 1.5, -1.5], [0.0, 1.0, 0.0], 0.540766189282212, 0.0),
+    ([0.0, 0.0, -3.5], [0.0, 0.0, 1.0], 3.28179947116479, 0.680966952823),
+    ([0.61, 0.0, 0.5], [0.0, 0.0, 1.0], 1.65452576515039, 0.369866580314),
+];
+
+/// The published scene; members a shader does not have are left out.
+fn fill(buffer: &mut Buffer) {
+    let mut vector = |path: &str, value: [f32; 3]| {
+        let _ = buffer.set(path, value);
+    };
+    for prefix in ["dirLight", "pointLights[0]", "pointLights[1]", "pointLights[2]"]
+        .into_iter()
+        .chain(["pointLights[3]", "spotLight"])
+    {
+        let [ambient, diffuse, specular] = match prefix {
+            "dirLight" => [0.05, 0.4, 0.5],
+            "spotLight" => [0.0, 1.0, 1.0],
+            _ => [0.05, 0.8, 1.0],
+        };
+        vector(&format!("{prefix}.ambient"), [ambient; 3]);
+        vector(&format!("{prefix}.diffuse"), [diffuse; 3]);
+        vector(&format!("{prefix}.specular"), [specular; 3]);
+    }
+    let places = [[0.7, 0.2, 2.0], [2.3, -3.3, -4.0], [-4.0, 2.0, -12.0], [0.0, 0.0, -3.0]];
+    for (i, place) in places.into_iter().enumerate() {
+        vector(&format!("pointLights[{i}].position"), place);
+    }
+    vector("dirLight.direction", [-0.2, -1.0, -0.3]);
+    vector("spotLight.position", [0.0, 0.0, 3.0]);
+    vector("spotLight.direction", [0.0, 0.0, -1.0]);
+    vector("viewPos", [0.0, 0.0, 3.0]);
+    let mut number = |path: &str, value: f64| {
+        let _ = buffer.set(path, value as f32);
+    };
+    for prefix in ["pointLights[0]", "pointLights[1]", "pointLights[2]", "pointLights[3]"]
+        .into_iter()
+        .chain(["spotLight"])
+    {
+        number(&format!("{prefix}.constant"), 1.0);
+        number(&format!("{prefix}.linear"), 0.09);
+        number(&format!("{prefix}.quadratic"), 0.032);
+    }
+    number("spotLight.cutOff", 12.5f64.to_radians().cos());
+    number("spotLight.outerCutOff", 15f64.to_radians().cos());
+    number("material.shininess", 32.0);
+    number("shininess", 32.0);
+}
+
+fn module(file: &str) -> Module {
+    let path = format!("{}/shaders/six_lights/{file}", env!("CARGO_MANIFEST_DIR"));
+    let source = Source::read(&path).expect("the shader is there");
+    Module::new(&source, &Options::default()).unwrap_or_else(|found| panic!("{found:?}"))
+}
+
+fn resources(module: &Module) -> Vec<Resource> {
+    let blocks = module.blocks().iter().map(|block| {
+        let mut buffer = Buffer::new(&block.layout).expect("the block is laid out");
+        fill(&mut buffer);
+        let kind = ResourceKind::Uniform(buffer.into_bytes());
+        Resource { name: String::new(), group: block.group, binding: block.binding, kind }
+    });
+    let handles = module.handles().iter().map(|handle| {
+        let kind = match handle.kind {
+            HandleKind::Texture | HandleKind::Image => {
+                ResourceKind::Texture { width: 1, height: 1, texels: vec![[1.0; 4]] }
+            }
+            HandleKind::Sampler => ResourceKind::Sampler,
+        };
+        let name = handle.path.clone();
+        Resource { name, group: handle.group, binding: handle.binding, kind }
+    });
+    blocks.chain(handles).collect()
+}
+
+/// Red of each fragment.
+fn shade(file: &str, precision: Precision) -> Vec<f64> {
+    let module = module(file);
+    let entry = module
+        .entry_points()
+        .into_iter()
+        .find(|e| e.stage == Stage::Fragment)
+        .expect("it has a fragment stage");
+    let columns = |pick: fn(&Golden) -> [f32; 3]| -> Vec<Vec<u64>> {
+        let bits = |i: usize| GOLDEN.iter().map(move |g| u64::from(pick(g)[i].to_bits()));
+        (0..3).map(|i| bits(i).collect()).collect()
+    };
+    let location = |name: &str, other: u32| {
+        let input = module.inputs().iter().find(|i| i.name.to_lowercase().contains(name));
+        Port::Location(input.map_or(other, |i| i.location))
+    };
+    let inputs =
+        vec![(location("pos", 0), columns(|g| g.0)), (location("normal", 1), columns(|g| g.1))];
+    let invocations = Invocations { count: GOLDEN.len(), inputs };
+    let settings = Settings { precision, ..single() };
+    let resources = resources(&module);
+    let outputs = Program::new(&module, &[])
+        .run_entry(&entry.name, &invocations, &resources, &settings)
+        .unwrap_or_else(|failure| panic!("{file}: {failure:?}"));
+    outputs.ports[0].1.doubles[0].clone()
+}
+
+#[test]
+fn six_lights_are_as_bright_as_they_should_be_in_every_language() {
+    for file in
+        ["phong.wgsl", "phong_450.frag", "phong_330.frag", "phong_300es.frag", "phong_100es.frag"]
+    {
+        for (precision, tolerance) in [(Precision::Double, 1e-11), (Precision::Single, 2e-6)] {
+            for (got, (place, _, sum, torch)) in shade(file, precision).iter().zip(GOLDEN) {
+                // The oldest dialect has no flashlight.
+                let expected = if file.contains("100es") { sum - torch } else { sum };
+                let off = (got - expected).abs() / expected;
+                assert!(off < tolerance, "{file}, {precision:?}, {place:?}: {got}, {expected}");
+            }
+        }
+    }
+}
