@@ -11,8 +11,8 @@ mod jobs;
 use files::shaders;
 use jobs::{bound, bytes, counting, glsl, job, output, storage, uniform, words};
 use landfall::run::gl::{ContextKind, Gl};
-use landfall::run::reflection::{ReflectedBlock, ReflectedMember};
 use landfall::run::reader::{FailureKind, Grid, Job, Reader as _, ResourceKind, Texel};
+use landfall::run::reflection::{ReflectedBlock, ReflectedMember};
 use landfall::{BlockLayout, Leaf, Options, Source, Stage, layout};
 
 fn open() -> Gl {

@@ -6,7 +6,7 @@ mod support;
 
 use landfall::run::verify::{Outcome, ReaderReport, ShaderReport, Subject, VerifyOptions, verify};
 use landfall::{BlockLayout, Rules, Source, Stage};
-use readers::readers;
+use readers::with_readers;
 use support::blocks::{Block, Rules as BlockRules, Space, print};
 use support::generate::{Diet, random};
 use support::known::{Subject as Asked, within_the_driver};
@@ -33,7 +33,7 @@ const DIET: Diet = Diet {
 fn verified(source: &Source, options: &VerifyOptions) -> ShaderReport {
     let subject = Subject::new(source, options)
         .unwrap_or_else(|(_, found)| panic!("{}: {found:?}\n{}", source.path, source.text));
-    verify(&subject, options, &mut readers())
+    with_readers(|readers| verify(&subject, options, readers))
 }
 
 /// Every report of a block by a reader, with what it is about.
@@ -125,7 +125,7 @@ fn caught(report: &ShaderReport) -> Vec<(String, String)> {
         assert_eq!(reader.outcome == Outcome::Disagrees, !leaves.is_empty());
         all.push((reader.reader, leaves));
     }
-    assert!(all.len() >= readers().len());
+    assert_eq!(all.len(), 3, "every reader ran");
     for (reader, leaves) in &all {
         assert_eq!(leaves, &all[0].1, "{reader} against {}", all[0].0);
     }
@@ -239,7 +239,7 @@ fn every_leaf_of_our_shaders_is_confirmed() {
                 Outcome::Confirmed => {}
                 Outcome::Skipped => {
                     let reason = reader.reason.as_deref().unwrap_or_default();
-                    assert!(is_known(&source, block, reader.reader, reason), "{name}: {reason}");
+                    assert!(is_known(&source, reader.reader, reason), "{name}: {reason}");
                 }
                 Outcome::Disagrees => {
                     // The driver's own rules, as the shader's own comment says.
@@ -254,15 +254,27 @@ fn every_leaf_of_our_shaders_is_confirmed() {
 }
 
 /// What a reader cannot be asked, said in advance.
-fn is_known(source: &Source, _block: &str, reader: &str, reason: &str) -> bool {
+fn is_known(source: &Source, reader: &str, reason: &str) -> bool {
+    let named = |name: &str| source.path.ends_with(name);
     match reader {
+        // OpenGL takes neither WGSL nor what is Vulkan's alone.
         "gl" => {
-            source.path.ends_with(".wgsl")
-                || reason.contains("push constants")
-                || reason.contains("scalar rules")
-                || reason.contains("does not take the text")
-                || reason.contains("through an address")
+            named(".wgsl")
+                || reason.contains("OpenGL has no")
+                || reason.contains("compiler does not take the text")
+                    && [
+                        "buffer_reference.comp",
+                        "small_and_large_scalars.comp",
+                        "specialization_constant.frag",
+                        "scene_450.vert",
+                    ]
+                    .iter()
+                    .any(|name| named(name))
+                || named("buffer_reference.comp")
+                // Mesa 22.3.6 takes a member's `readonly` for the whole block.
+                || named("memory_qualifiers.comp") && reason.contains("compiler does not take")
         }
-        _ => reason.contains("through an address"),
+        // Addresses, and 8-bit numbers, which naga does not have.
+        _ => named("buffer_reference.comp") || named("small_and_large_scalars.comp"),
     }
 }

@@ -62,7 +62,7 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
     }
     let names: Vec<String> = report.blocks.iter().map(name).collect();
     let width = names.iter().map(|name| name.width()).max().unwrap_or(0);
-    let bytes: Vec<String> = report.blocks.iter().map(|b| words::bytes(b.buffer)).collect();
+    let bytes: Vec<String> = report.blocks.iter().map(|b| words::bytes(b.size)).collect();
     let digits = bytes.iter().map(|bytes| bytes.width()).max().unwrap_or(0);
     for ((block, name), bytes) in report.blocks.iter().zip(&names).zip(&bytes) {
         let pad = " ".repeat(width - name.width());

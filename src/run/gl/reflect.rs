@@ -5,12 +5,12 @@
 
 #![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
 
-use glow::HasContext as _;
 use super::context::Context;
 use super::program::ActiveBlock;
 use super::types::{is_sampler, word};
 use crate::run::reader::Failure;
 use crate::run::reflection::{ReflectedBlock, ReflectedMember, ReflectedUniform, Reflection};
+use glow::HasContext as _;
 
 /// Everything that is active in a linked program.
 pub(super) fn reflect(context: &Context, program: glow::Program) -> Result<Reflection, Failure> {

@@ -107,6 +107,8 @@ const OTHERS: &[&str] = &[
     "matrixCompMult",
     "outerProduct",
     "transpose",
+    "packDouble2x32",
+    "unpackDouble2x32",
     "lessThan",
     "lessThanEqual",
     "greaterThan",
@@ -182,6 +184,8 @@ impl Body<'_, '_> {
             ("floatBitsToUint", [x]) => self.bits(x, Kind::Float, Kind::Uint),
             ("intBitsToFloat", [x]) => self.bits(x, Kind::Int, Kind::Float),
             ("uintBitsToFloat", [x]) => self.bits(x, Kind::Uint, Kind::Float),
+            ("unpackDouble2x32", [x]) => self.halves(x, Kind::Double).map(Some),
+            ("packDouble2x32", [x]) => self.joined(x, Kind::Double).map(Some),
             ("transpose", [x]) => {
                 let Ty::Matrix(kind, columns, rows) = x.ty else { return Ok(None) };
                 let expr = self.transpose(x.expr);

@@ -263,6 +263,35 @@ impl<'a> Body<'_, 'a> {
         Ok((exponent, Val { expr: value, ty: x.ty.clone() }))
     }
 
+    /// The two words of a number of 64 bits, the low one first.
+    pub(super) fn halves(&mut self, value: &Val, kind: Kind) -> R<Val> {
+        let value = self.convert(value, &Ty::of(kind, 1))?;
+        let uint = naga::ScalarKind::Uint;
+        let bits = self.add(Expression::As { expr: value.expr, kind: uint, convert: None });
+        let by = self.u32(32);
+        let high = self.binary(B::ShiftRight, bits, by);
+        let words = [bits, high]
+            .map(|expr| self.add(Expression::As { expr, kind: uint, convert: Some(4) }));
+        self.compose(&Ty::Vector(Kind::Uint, 2), words.to_vec())
+    }
+
+    /// A number of 64 bits from its two words.
+    pub(super) fn joined(&mut self, words: &Val, kind: Kind) -> R<Val> {
+        let words = self.convert(words, &Ty::Vector(Kind::Uint, 2))?;
+        let uint = naga::ScalarKind::Uint;
+        let mut halves = Vec::new();
+        for half in 0..2 {
+            let expr = self.select(&words, &[half])?.expr;
+            halves.push(self.add(Expression::As { expr, kind: uint, convert: Some(8) }));
+        }
+        let by = self.u32(32);
+        let high = self.binary(B::ShiftLeft, halves[1], by);
+        let bits = self.binary(B::InclusiveOr, halves[0], high);
+        let to = kind.scalar().kind;
+        let expr = self.add(Expression::As { expr: bits, kind: to, convert: None });
+        Ok(Val { expr, ty: Ty::of(kind, 1) })
+    }
+
     /// All 64 bits of a product, from products of 16-bit halves.
     fn multiply_extended(
         &mut self,

@@ -110,9 +110,9 @@ pub struct Access {
     pub write: bool,
 }
 
-/// Chooses the reads of a block. The bytes they must see are those of `expected`, which has the
-/// same leaves by path.
-pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: Access) -> Plans {
+/// Chooses the reads of a block whose members may be read and written like that. The bytes they
+/// must see are those of `expected`, which has the same leaves by path.
+pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: &[Access]) -> Plans {
     let mut plans = Plans::default();
     let by_path: BTreeMap<&str, &Leaf> =
         expected.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
@@ -137,6 +137,13 @@ pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: Access) -> Pla
             continue;
         };
         let top = top_member(block, leaf);
+        let at = top.and_then(|top| block.members.iter().position(|m| std::ptr::eq(m, top)));
+        let none = Access { read: false, write: false };
+        let access = at.and_then(|at| access.get(at)).copied().unwrap_or(none);
+        if access == none {
+            plans.leave_out(leaf, "it may be neither read nor written");
+            continue;
+        }
         for way in ways(leaf, top, block.space, access) {
             // A copy shows in two elements what it could show in all.
             let copied = matches!(way, Way::Copied | Way::Passed);

@@ -3,18 +3,17 @@
 //! Layouts do not depend on it, so the text is asked: what stands between the end of the
 //! declaration before and the block's name, and inside its braces.
 
-use crate::layout::BlockLayout;
+use crate::layout::{BlockLayout, MemberLayout};
 use crate::run::probe::plan::Access;
 use crate::shape::AddressSpace;
 use crate::source::{Files, Language};
 
-/// What may be done to a block's members.
-pub(super) fn of(block: &BlockLayout, files: &Files, language: Language) -> Access {
-    if block.space != AddressSpace::Storage {
-        return Access { read: true, write: false };
-    }
-    let Some(file) = files.get(block.span.file) else {
-        return Access { read: true, write: false };
+/// What may be done to each member of a block, in their order.
+pub(super) fn of(block: &BlockLayout, files: &Files, language: Language) -> Vec<Access> {
+    let all = |access| vec![access; block.members.len()];
+    let file = files.get(block.span.file);
+    let Some(file) = file.filter(|_| block.space == AddressSpace::Storage) else {
+        return all(Access { read: true, write: false });
     };
     let text = without_comments(&file.text);
     let at = (block.span.start as usize).min(text.len());
@@ -23,8 +22,13 @@ pub(super) fn of(block: &BlockLayout, files: &Files, language: Language) -> Acce
         Language::Glsl => {
             let start = before.rfind([';', '}']).map_or(0, |end| end + 1);
             let inside = text[at..].split('}').next().unwrap_or("");
-            let says = |word: &str| has_word(&before[start..], word) || has_word(inside, word);
-            Access { read: !says("writeonly"), write: !says("readonly") }
+            let inside = inside.split_once('{').map_or("", |(_, inside)| inside);
+            let of_member = |member: &MemberLayout| {
+                let own = inside.split(';').find(|own| has_word(own, &member.name)).unwrap_or("");
+                let says = |word: &str| has_word(&before[start..], word) || has_word(own, word);
+                Access { read: !says("writeonly"), write: !says("readonly") }
+            };
+            block.members.iter().map(of_member).collect()
         }
         Language::Wgsl => {
             let instance = block.instance.as_deref().unwrap_or(&block.name);
@@ -34,7 +38,7 @@ pub(super) fn of(block: &BlockLayout, files: &Files, language: Language) -> Acce
                     .is_some_and(|rest| rest.trim_start().starts_with([':', '=']))
             });
             let access = declared.and_then(|rest| rest.split('>').next()).unwrap_or("");
-            Access { read: true, write: has_word(access, "read_write") }
+            all(Access { read: true, write: has_word(access, "read_write") })
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::layout::BlockLayout;
 use crate::parse::glsl::raw;
 use crate::port::{PortOptions, port};
 use crate::run::Module;
-use crate::run::probe::plan::{Access, Plan};
+use crate::run::probe::plan::Plan;
 use crate::run::probe::{glsl, wgsl};
 use crate::run::reader::{Failure, FailureKind, StageCode};
 use crate::shape::{AddressSpace, ArrayLen, Rules};
@@ -26,7 +26,8 @@ pub(super) struct Need<'a> {
     pub element: &'a [u32],
     pub plan: &'a Plan,
     pub stage: Stage,
-    pub access: Access,
+    /// Whether the shader may write the block.
+    pub writable: bool,
     pub options: &'a VerifyOptions,
 }
 
@@ -159,7 +160,7 @@ fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure>
         stages,
         block: Bound { name, ..Bound::default() },
         results: Bound { name: glsl::RESULTS.to_string(), ..Bound::default() },
-        writable: need.access.write,
+        writable: need.writable,
     })
 }
 
@@ -238,7 +239,7 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
     if need.stage == Stage::Vertex {
         stages.push(fragment(need, need.source)?);
     }
-    Ok(Code { stages, block, results, writable: need.access.write })
+    Ok(Code { stages, block, results, writable: need.writable })
 }
 
 /// Where the probed block is bound in the module.

@@ -126,12 +126,13 @@ struct Verifier<'a> {
     blocks: &'a [BlockLayout],
     block: &'a BlockLayout,
     expected: &'a BlockLayout,
-    access: Access,
+    /// What may be done to each member.
+    access: Vec<Access>,
 }
 
 impl Verifier<'_> {
     fn block(&self, readers: &mut [Box<dyn Reader>], is_given: bool) -> BlockReport {
-        let plans = plans(self.block, self.expected, self.access);
+        let plans = plans(self.block, self.expected, &self.access);
         let buffer = self.buffer();
         let refusal = self.refusal(is_given, &buffer);
         let own = [self.source.stage.unwrap_or(Stage::Fragment)];
@@ -152,7 +153,7 @@ impl Verifier<'_> {
             name: self.block.name.to_string(),
             instance: self.block.instance.as_ref().map(ToString::to_string),
             rules: self.block.rules.name(),
-            buffer: buffer.unwrap_or(0),
+            size: self.block.size.unwrap_or(0),
             leaves: self.block.leaves.len(),
             readers: reports,
             unprobed: unprobed.map(|it| Unprobed { path: it.path, reason: it.reason }).collect(),
@@ -162,7 +163,8 @@ impl Verifier<'_> {
     /// Bytes of a buffer that holds either layout, a runtime-sized tail of [`TAIL`] elements.
     fn buffer(&self) -> Result<u64, String> {
         let (own, expected) = (bytes(self.block)?, bytes(self.expected)?);
-        Ok(own.max(expected).next_multiple_of(4))
+        // naga rounds a structure with dvec4 up to 32 bytes, and wgpu wants as much.
+        Ok(own.max(expected).next_multiple_of(32))
     }
 
     /// The other blocks, filled with zeros: OpenGL wants every block bound that it counts as
@@ -192,9 +194,6 @@ impl Verifier<'_> {
     fn refusal(&self, is_given: bool, buffer: &Result<u64, String>) -> Option<String> {
         if !is_given {
             return Some(format!("the given layout has no block `{}`", self.block.name));
-        }
-        if !self.access.read && !self.access.write {
-            return Some("it may be neither read nor written".to_string());
         }
         match self.block.space {
             AddressSpace::BufferReference => {
@@ -318,7 +317,7 @@ impl Verifier<'_> {
             element,
             plan,
             stage,
-            access: self.access,
+            writable: self.access.iter().any(|access| access.write),
             options: self.options,
         };
         let code = code::code(&need)?;

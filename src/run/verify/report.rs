@@ -27,8 +27,8 @@ pub struct BlockReport {
     pub instance: Option<String>,
     /// `std140`, …
     pub rules: &'static str,
-    /// Bytes of the buffer that was uploaded.
-    pub buffer: u64,
+    /// Bytes a buffer must hold, a runtime-sized tail counted with one element.
+    pub size: u64,
     /// How many leaves it has.
     pub leaves: usize,
     /// What each reader saw.
