@@ -265,7 +265,10 @@ impl<'l, 'a> Body<'l, 'a> {
     pub fn number(&mut self, kind: Kind, value: f64) -> Val {
         let literal = match kind {
             Kind::Bool => Literal::Bool(value != 0.0),
+            // Between int and uint the bits stay (GLSL 4.60 §5.4.1).
+            Kind::Int if value > f64::from(i32::MAX) => Literal::I32(value as u32 as i32),
             Kind::Int => Literal::I32(value as i32),
+            Kind::Uint if value < 0.0 => Literal::U32(value as i32 as u32),
             Kind::Uint => Literal::U32(value as u32),
             Kind::Float => Literal::F32(value as f32),
             Kind::Double => Literal::F64(value),

@@ -259,7 +259,9 @@ impl Lowerer<'_> {
         if typed && !stride.is_multiple_of(vector.align) {
             return Err(Misfit::Alignment);
         }
-        let plain = !row_major && stride == vector.align;
+        // naga 30.0.1 panics when it writes a load of such a matrix from uniform memory.
+        let unwritten = kind == Kind::Double && rows == 2;
+        let plain = !row_major && stride == vector.align && !unwritten;
         let naga = if plain {
             carrier(&mut self.ir.types, &mut self.carriers, &ty).ok_or(Misfit::Foreign)?.handle
         } else {

@@ -337,9 +337,9 @@ fn ways(leaf: &Leaf, top: Option<&MemberLayout>, space: AddressSpace, access: Ac
         }
         match top.map(|top| (top, top.ty.innermost())) {
             Some((_, Type::Struct(structure))) if can_be_copied(structure) => {
-                ways.push(Way::Copied);
+                // A copy of a structure without a name cannot be declared.
                 if !structure.name.is_empty() {
-                    ways.push(Way::Passed);
+                    ways.extend([Way::Copied, Way::Passed]);
                 }
             }
             Some((top, _)) if !top.dims.is_empty() && is_small(top) && !has_atomic(&top.ty) => {
