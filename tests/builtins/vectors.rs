@@ -233,7 +233,7 @@ fn laplace(m: &[Vec<f64>]) -> f64 {
     if m.len() == 1 {
         return m[0][0];
     }
-    let signed = |j: usize| if j % 2 == 0 { m[0][j] } else { -m[0][j] };
+    let signed = |j: usize| if j.is_multiple_of(2) { m[0][j] } else { -m[0][j] };
     (0..m.len()).map(|j| signed(j) * laplace(&minor(m, 0, j))).sum()
 }
 
@@ -272,7 +272,7 @@ fn inverse() -> Case {
     let draw = |d: &mut Draw| {
         let number = |i: usize, d: &mut Draw| {
             let x = d.0.f32() - 0.5;
-            if i % 4 == 0 { x + 3.0 } else { x }
+            if i.is_multiple_of(4) { x + 3.0 } else { x }
         };
         (0..9).map(|i| number(i, d).to_bits()).collect()
     };
@@ -281,7 +281,7 @@ fn inverse() -> Case {
         let whole = laplace(&m);
         let each = |i: usize| {
             let (row, column) = (i / 3, i % 3);
-            let sign = if (row + column) % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if (row + column).is_multiple_of(2) { 1.0 } else { -1.0 };
             let truth = sign * laplace(&minor(&m, column, row)) / whole;
             Allowed::Within(truth, Interval::constant(truth).absolute(2f64.powi(-20)))
         };
