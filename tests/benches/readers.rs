@@ -31,9 +31,9 @@ const MANY: usize = 300;
 
 fn main() {
     println!("medians (least to most); processor time where a ratio is of one device to another\n");
-    probes();
     first_answer();
     image();
+    probes();
 }
 
 /// A reader that counts what it is asked.
@@ -92,12 +92,12 @@ fn probes() {
     let many: Vec<Subject> = (0..MANY).filter_map(|i| subject(&generated(i))).collect();
     assert_eq!(many.len(), MANY, "every generated shader is laid out");
     proven(&format!("{} shaders of this repository", own.len()), &own, &options, 5);
-    proven(&format!("{MANY} generated shaders"), &many, &options, 3);
+    proven(&format!("{MANY} generated shaders"), &many, &options, 1);
 }
 
 /// Every shader by every reader, the readers in turns.
 fn proven(name: &str, subjects: &[Subject], options: &VerifyOptions, rounds: usize) {
-    println!("{name}, one device for all; {rounds} rounds");
+    println!("{name}, one device for all; rounds: {rounds}");
     let mut readers = readers();
     for _ in 0..rounds {
         for one in &mut readers {
@@ -147,7 +147,7 @@ fn generated(number: usize) -> Source {
         "#version 450\nstruct Light { vec3 position; float power; mat2 turn; };\n\
          layout(std140, binding = 0) uniform Block {\n",
     );
-    for member in 0..6 {
+    for member in 0..3 {
         let ty = TYPES[(number / 7usize.pow(member) + member as usize) % TYPES.len()];
         let count = number % 3 + member as usize % 2;
         let array = if count > 1 { format!("[{count}]") } else { String::new() };
@@ -221,7 +221,7 @@ fn image() {
         ("lavapipe", &mut gpu, Vec::new()),
     ];
     let sizes = [256, 1024].map(|size| (size, scene::job(&module, size)));
-    let mut reds = Vec::new();
+    let mut reds = [Vec::new(), Vec::new()];
     for turn in 0..=ROUNDS {
         for (_, reader, figures) in &mut readers {
             let mut all = [0.0; 4];
@@ -234,7 +234,7 @@ fn image() {
                         let answer = reader.run(job).expect("the job runs");
                         if turn == 0 {
                             let red = answer.pixels.iter().map(|p| f64::from(f32::from_bits(p[0])));
-                            reds.push(red.sum::<f64>() / answer.pixels.len() as f64);
+                            reds[at].push(red.sum::<f64>() / answer.pixels.len() as f64);
                         }
                     }
                 });
@@ -248,7 +248,10 @@ fn image() {
             }
         }
     }
-    assert!(reds.iter().all(|red| (red - reds[0]).abs() < 1e-2), "all see the same image");
+    for reds in &reds {
+        let same = reds.iter().all(|red: &f64| (red - reds[0]).abs() < 1e-3 * reds[0]);
+        assert!(same, "all see the same image: {reds:?}");
+    }
     println!("a fragment lit by six lights, ns: processor time, and elapsed");
     for (name, _, figures) in &readers {
         let of = |i: usize| median(figures.iter().map(|all| all[i]).collect());
