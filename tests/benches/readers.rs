@@ -31,8 +31,11 @@ const MANY: usize = 300;
 
 fn main() {
     println!("medians (least to most); processor time where a ratio is of one device to another\n");
-    first_answer();
-    image();
+    // `cargo bench --bench readers -- probes` leaves the rest out.
+    if !std::env::args().any(|argument| argument == "probes") {
+        first_answer();
+        image();
+    }
     probes();
 }
 
@@ -91,7 +94,7 @@ fn probes() {
         .collect();
     let many: Vec<Subject> = (0..MANY).filter_map(|i| subject(&generated(i))).collect();
     assert_eq!(many.len(), MANY, "every generated shader is laid out");
-    proven(&format!("{} shaders of this repository", own.len()), &own, &options, 5);
+    proven(&format!("{} shaders of this repository", own.len()), &own, &options, 3);
     proven(&format!("{MANY} generated shaders"), &many, &options, 1);
 }
 
@@ -147,9 +150,9 @@ fn generated(number: usize) -> Source {
         "#version 450\nstruct Light { vec3 position; float power; mat2 turn; };\n\
          layout(std140, binding = 0) uniform Block {\n",
     );
-    for member in 0..3 {
+    for member in 0..2 {
         let ty = TYPES[(number / 7usize.pow(member) + member as usize) % TYPES.len()];
-        let count = number % 3 + member as usize % 2;
+        let count = if number % 10 == 0 { 2 } else { 1 };
         let array = if count > 1 { format!("[{count}]") } else { String::new() };
         text += &format!("  {ty} m{member}{array};\n");
     }
