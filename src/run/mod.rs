@@ -3,8 +3,9 @@
 //! [`module`] makes a shader runnable: naga IR whose offsets, strides and sizes
 //! are ours. [`reader`] says what it is to run one: a job in, words out. The
 //! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`; `remote`
-//! runs a driver in a process of its own.
+//! runs a driver in a process of its own. [`accuracy`] is what they were measured at.
 
+pub mod accuracy;
 pub mod devices;
 pub mod eval;
 #[cfg(feature = "gl")]
