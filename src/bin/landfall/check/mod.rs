@@ -31,9 +31,6 @@ use pass::{Pass, Run};
 pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check \
                             can tell when one changes\n";
 
-/// Where locks are unless somebody says otherwise.
-const LOCKS: &str = "layouts";
-
 pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     refuse(args)?;
     let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
@@ -48,7 +45,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Err(found) => return Ok(could_not(found, streams)),
     };
     let options = config.options(&args.text, &args.levels.defines);
-    let paths = paths(args, &config);
+    let paths = config.paths(&args.paths);
     let scope = scope(args, &config, &paths);
     let language = args.text.language.map(|language| language.language());
     let basis = Basis::new(scope, &options, args.text.stage, language, settings);
@@ -147,19 +144,11 @@ fn could_not(found: Diagnostic, streams: &Streams) -> Outcome {
     Outcome::CouldNot
 }
 
-/// What is checked: what was named, what the configuration says, or all there is.
-fn paths(args: &CheckArgs, config: &Config) -> Vec<PathBuf> {
-    match (args.paths.is_empty(), config.paths.is_empty()) {
-        (false, _) => args.paths.clone(),
-        (true, false) => config.paths.clone(),
-        (true, true) => vec![config.root.path("")],
-    }
-}
-
 fn scope(args: &CheckArgs, config: &Config, paths: &[PathBuf]) -> Scope {
-    let said = args.locks.clone().or_else(|| config.locks.clone());
-    let usual = config.root.path(LOCKS);
-    let locks = said.or_else(|| usual.is_dir().then_some(usual));
+    let named = args.locks.as_deref();
+    let usual = config.locks(named);
+    // Nobody has to lock anything; who says where locks are means to.
+    let locks = config.said_locks(named).or_else(|| usual.is_dir().then_some(usual));
     let searched = paths.iter().filter(|path| path.is_dir());
     Scope {
         root: slashes(&config.root.shown),
