@@ -84,6 +84,13 @@ pub fn readable(file: &RustFile) -> Result<(), Error> {
     file::read(file).map(|_| ())
 }
 
+/// The shaders, as globs, and the blocks that comments in Rust files name.
+pub(super) fn named(settings: &Settings) -> Vec<(String, String)> {
+    let files = settings.rust_files.iter();
+    let comments = files.filter_map(|file| file::read(file).ok()).flat_map(|read| read.comments);
+    comments.flat_map(|comment| comment.blocks).collect()
+}
+
 /// A Rust structure as rustc lays it out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RustLayout {

@@ -43,7 +43,7 @@ pub fn fix(
     let mut mended = Mended::default();
     let mut refused: HashSet<String> = HashSet::new();
     for _ in 0..MOST_ROUNDS {
-        let mut findings = tree::findings(&mut pass, run.basis, &run.options, run.root, remembered);
+        let mut findings = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
         findings.retain(|f| f.fix.iter().all(|edit| !refused.contains(&edit.place.path)));
         let texts = Texts::new(HashMap::new());
         let fixed = changed(apply(&findings, &|path| texts.of(path)));
@@ -99,7 +99,7 @@ pub fn preview(
     let mut before: HashMap<String, Arc<str>> = HashMap::new();
     let mut after: HashMap<String, String> = HashMap::new();
     for _ in 0..MOST_ROUNDS {
-        let mut findings = tree::findings(&mut pass, run.basis, &run.options, run.root, remembered);
+        let mut findings = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
         let inputs: HashSet<&str> = pass.checked.iter().map(|c| c.path.as_str()).collect();
         // An include is read from disk, where it is not mended: its places hold for one round.
         findings.retain(|f: &Finding| {

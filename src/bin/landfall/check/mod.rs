@@ -9,8 +9,10 @@ mod mend;
 mod one;
 mod pass;
 pub mod reports;
+mod rust;
 pub mod shard;
 pub mod tree;
+mod verified;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -40,19 +42,21 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config.exclude.add(pattern).map_err(|cause| config::bad_glob(pattern, &cause))?;
     }
     config.exclude.ready();
-    let settings = match config.settings(&args.levels.levels, &args.text.targets) {
+    let mut settings = match config.settings(&args.levels.levels, &args.text.targets) {
         Ok(settings) => settings,
         Err(found) => return Ok(could_not(found, streams)),
     };
     let options = config.options(&args.text, &args.levels.defines);
     let paths = config.paths(&args.paths);
+    if Basis::wants_rust(&settings) {
+        settings.rust_files = rust::files(&config, &settings, &args.paths)?;
+    }
     let scope = scope(args, &config, &paths);
     let language = args.text.language.map(|language| language.language());
     let basis = Basis::new(scope, &options, args.text.stage, language, settings);
     let (paths, stdin) = stdin(paths, args)?;
     let run = Run {
         basis: &basis,
-        options: basis.options(),
         root: &config.root,
         paths,
         exclude: &config.exclude,
@@ -86,7 +90,10 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let findings = match args.shard {
         // Lints over all shaders have to wait for the others.
         Some(_) => tree::sorted(tree::alone(&pass)),
-        None => tree::findings(&mut pass, &basis, &run.options, &config.root, &mut cache.tree),
+        None => {
+            let seen = verified::findings(&args.verified, &pass, &basis, &config.root)?;
+            tree::findings(&mut pass, &basis, &config.root, &mut cache.tree, &seen)
+        }
     };
     let is_new = pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key) != before;
     if folder.is_some() && is_new {
