@@ -9,10 +9,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use landfall::Error;
+use landfall::emit::Paint;
+use landfall::emit::unified::diff;
 use landfall::file::write_whole;
 use landfall::lint::Finding;
 use landfall::lint::fix::{Fixed, apply};
-use similar::TextDiff;
 
 use super::pass::{Pass, Run};
 use super::reports::{Texts, counted};
@@ -129,11 +130,7 @@ pub fn preview(
 
 /// Files as a patch.
 pub fn patch(files: &[(String, Arc<str>, String)]) -> String {
-    let one = |(path, old, new): &(String, Arc<str>, String)| {
-        let diff = TextDiff::from_lines(&**old, new.as_str());
-        diff.unified_diff().header(path, path).to_string()
-    };
-    files.iter().map(one).collect()
+    files.iter().map(|(path, old, new)| diff(path, old, new, Paint::Plain)).collect()
 }
 
 /// `2 edits in 1 file`.

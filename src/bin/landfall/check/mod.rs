@@ -49,7 +49,12 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let options = config.options(&args.text, &args.levels.defines);
     let paths = config.paths(&args.paths);
     if Basis::wants_rust(&settings) {
-        settings.rust_files = rust::files(&config, &settings, &args.paths)?;
+        match rust::files(&config, &settings, &args.paths) {
+            Ok(files) => settings.rust_files = files,
+            Err(error) => {
+                return Ok(could_not(Diagnostic { code: "bad-rust", ..error.into() }, streams));
+            }
+        }
     }
     let scope = scope(args, &config, &paths);
     let language = args.text.language.map(|language| language.language());
