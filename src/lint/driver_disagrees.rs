@@ -16,7 +16,7 @@ pub(super) const LINT: Lint = Lint {
     code: "driver-disagrees",
     // Seen on a machine, not computed: wherever that driver runs, the upload is misread.
     level: Level::Deny,
-    what: "reports leaves that a driver reads from another byte than the rules say",
+    what: "leaves that a driver reads from another byte than the rules say",
     why: "`verify` fills a block with known words and asks the driver what it sees. Where that is \
           another word, either the driver is wrong or the rules are its own (`shared`, `packed`, \
           or none at all): every upload made by the rules is misread there.",

@@ -29,7 +29,7 @@ use types::{Laid, Shape, Types, Unknown};
 pub(super) const LINT: Lint = Lint {
     code: "rust-mirror",
     level: Level::Deny,
-    what: "reports a hand-written Rust structure whose fields are not where the shader reads them",
+    what: "a hand-written Rust structure whose fields are not where the shader reads them",
     why: "A `#[repr(C)]` structure is uploaded byte by byte. Where it lacks a padding field, or \
           has an array 12 bytes apart that the shader reads 16 apart, every byte after that is \
           misread, and nothing says so. A structure is held against a block when the \
@@ -53,7 +53,7 @@ pub(super) const UNKNOWN: Lint = Lint {
     code: "rust-mirror-unknown",
     // Nothing is known to be wrong.
     level: Level::Warn,
-    what: "reports a mirror that could not be held against its block",
+    what: "a mirror that could not be held against its block",
     why: "A field of a type that landfall does not know, a block that no checked shader has: the \
           mirror is not guarded, though somebody asked for it.",
     example: "\
