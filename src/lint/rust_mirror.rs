@@ -226,7 +226,8 @@ fn of_mirror(
             let message =
                 format!("`{}` cannot be held against `{}`: {cause}", own.name, mirror.block);
             let finding = Finding::new(UNKNOWN.code, &*own.name, own.place.clone(), message);
-            findings.push(finding);
+            let help = "spell the type out as numbers and arrays, or declare it in the same file";
+            findings.push(finding.with_help(help));
             return findings;
         }
     };
