@@ -61,7 +61,13 @@ fn beside(lint: &Lint) -> Beside {
 }
 
 fn path(text: &str) -> &'static str {
-    if text.contains("var<") { "shaders/a.wgsl" } else { "shaders/a.frag" }
+    if text.contains("var<") {
+        "shaders/a.wgsl"
+    } else if text.contains("gl_Position") {
+        "shaders/a.vert"
+    } else {
+        "shaders/a.frag"
+    }
 }
 
 /// What a run over the example finds.
