@@ -21,6 +21,8 @@ impl Tree {
         let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-diff-{name}"));
         let _ = fs::remove_dir_all(&root);
         fs::create_dir_all(&root).unwrap();
+        // The search for a configuration ends here.
+        fs::write(root.join("landfall.toml"), "").unwrap();
         Tree(root)
     }
 
@@ -264,7 +266,7 @@ fn a_lock_is_compared_like_the_shader_it_was_written_from_and_renewed() {
     let tree = Tree::new("accept");
     tree.write("shaders/a.frag", OLD);
     assert_eq!(tree.run(&["lock", "shaders"]).0, 0);
-    let lock = "layouts/a.frag.json";
+    let lock = "layouts/shaders/a.frag.json";
     assert_eq!(tree.run(&["diff", lock, "shaders/a.frag"]).0, 0);
     assert_eq!(tree.run(&["diff", "layouts", "shaders"]).0, 0);
     tree.write("shaders/a.frag", &OLD.replace("gamma", "gain"));
@@ -275,7 +277,7 @@ fn a_lock_is_compared_like_the_shader_it_was_written_from_and_renewed() {
     for sides in [[lock, "shaders/a.frag"], ["shaders/a.frag", lock], ["layouts", "shaders"]] {
         tree.write(lock, &fs::read_to_string(tree.0.join(lock)).unwrap().replace("gain", "gamma"));
         let (code, _, err) = tree.run(&["diff", sides[0], sides[1], "--accept"]);
-        assert_eq!((code, err.as_str()), (0, "renewed layouts/a.frag.json\n"));
+        assert_eq!((code, err.as_str()), (0, "renewed layouts/shaders/a.frag.json\n"));
         assert_eq!(tree.run(&["lock", "shaders", "--check"]).0, 0);
     }
     let (code, _, err) = tree.run(&["diff", "shaders/a.frag", "shaders/a.frag", "--accept"]);
@@ -329,9 +331,11 @@ fn revisions_are_read_as_git_spells_them_with_their_includes() {
     let said = "breaking   `all` changed its array stride from 16 to 32";
     for arguments in [
         &["diff", "HEAD:shaders/a.frag", "shaders/a.frag"][..],
-        &["diff", "HEAD:layouts/a.frag.json", "shaders/a.frag"],
+        &["diff", "HEAD:layouts/shaders/a.frag.json", "shaders/a.frag"],
         &["diff", "HEAD:./shaders", "shaders"],
         &["diff", "HEAD:layouts", "shaders"],
+        &["diff", "HEAD:layouts/shaders", "shaders"],
+        &["diff", "layouts", "shaders"],
         &["diff", "--rev", "HEAD"],
         &["diff", "--rev", "HEAD", "shaders"],
         &["diff", "--rev", "HEAD", "shaders/a.frag"],

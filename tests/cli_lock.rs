@@ -17,6 +17,8 @@ impl Tree {
         let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-lock-{name}"));
         let _ = fs::remove_dir_all(&root);
         let tree = Tree(root);
+        // The search for a configuration ends here.
+        tree.write("landfall.toml", "");
         tree.write("shaders/lights/point.frag", LIGHTS);
         tree.write("shaders/view.vert", "#version 330 core\nuniform mat4 view;\nvoid main() {}\n");
         tree
@@ -49,7 +51,7 @@ impl Tree {
     }
 }
 
-const POINT: &str = "layouts/lights/point.frag.json";
+const POINT: &str = "layouts/shaders/lights/point.frag.json";
 
 #[test]
 fn locks_are_the_same_tree_as_the_shaders() {
@@ -59,7 +61,7 @@ fn locks_are_the_same_tree_as_the_shaders() {
     assert!(text.contains(
         "        {\"name\": \"range\", \"type\": \"float\", \"offset\": 12, \"size\": 4, \"align\": 4},\n"
     ));
-    assert!(tree.read("layouts/view.vert.json").contains("\"address_space\": \"default\""));
+    assert!(tree.read("layouts/shaders/view.vert.json").contains("\"address_space\": \"default\""));
     assert_eq!(tree.run(&["lock", "shaders"]), (0, "0 locks written, 2 unchanged\n".into()));
     assert_eq!(tree.run(&["lock", "shaders", "--check"]).0, 0);
 }
@@ -70,11 +72,11 @@ fn a_lock_changes_only_with_the_layout_and_only_where_it_does() {
     tree.run(&["lock", "shaders"]);
     let old = tree.read(POINT);
     let written = |path: &str| fs::metadata(tree.0.join(path)).unwrap().modified().unwrap();
-    let (point, view) = (written(POINT), written("layouts/view.vert.json"));
+    let (point, view) = (written(POINT), written("layouts/shaders/view.vert.json"));
     let commented = LIGHTS.replace("float range", "\n\n  // reach\n  float range");
     tree.write("shaders/lights/point.frag", &commented);
     assert_eq!(tree.run(&["lock", "shaders"]).1, "0 locks written, 2 unchanged\n");
-    assert_eq!((written(POINT), written("layouts/view.vert.json")), (point, view));
+    assert_eq!((written(POINT), written("layouts/shaders/view.vert.json")), (point, view));
     tree.write("shaders/lights/point.frag", &LIGHTS.replace("int count", "uint count"));
     assert_eq!(tree.run(&["lock", "shaders"]).1, "1 lock written, 1 unchanged\n");
     let new = tree.read(POINT);
@@ -88,7 +90,7 @@ fn check_writes_nothing_and_says_what_it_would() {
     let (code, said) = tree.run(&["lock", "shaders", "--check"]);
     assert_eq!(code, 1);
     assert!(
-        said.contains("error[stale-lock]: `layouts/lights/point.frag.json` is not there"),
+        said.contains("error[stale-lock]: `layouts/shaders/lights/point.frag.json` is not there"),
         "{said}"
     );
     assert!(said.ends_with("2 locks would change, 0 unchanged\n"), "{said}");
@@ -111,14 +113,16 @@ fn locks_without_a_shader_are_reported_and_go_when_asked() {
     let (code, said) = tree.run(&["lock", "shaders"]);
     assert_eq!(code, 0);
     assert!(
-        said.contains("warning[lock-orphan]: `layouts/view.vert.json` is the lock of no shader"),
+        said.contains(
+            "warning[lock-orphan]: `layouts/shaders/view.vert.json` is the lock of no shader"
+        ),
         "{said}"
     );
     assert_eq!(tree.run(&["lock", "shaders", "--check", "--prune"]).0, 1);
-    assert!(tree.0.join("layouts/view.vert.json").exists());
+    assert!(tree.0.join("layouts/shaders/view.vert.json").exists());
     let (code, said) = tree.run(&["lock", "shaders", "--prune"]);
     assert_eq!((code, said.as_str()), (0, "0 locks written, 1 unchanged, 1 removed\n"));
-    assert!(!tree.0.join("layouts/view.vert.json").exists());
+    assert!(!tree.0.join("layouts/shaders/view.vert.json").exists());
     // What is not named like a lock is somebody else's.
     assert!(tree.0.join("layouts/notes.json").exists());
 }
@@ -136,18 +140,42 @@ fn a_shader_that_does_not_parse_keeps_its_lock() {
 }
 
 #[test]
-fn a_part_of_the_tree_says_where_its_root_is() {
+fn a_lock_has_one_place_whatever_part_of_the_tree_is_named_and_from_wherever() {
     let tree = Tree::new("root");
     tree.run(&["lock", "shaders"]);
-    let here = &["lock", "shaders/lights/point.frag", "--root", "shaders", "--check"];
-    assert_eq!(tree.run(here), (0, "0 locks would change, 1 unchanged\n".into()));
-    let (code, said) = tree.run(&["lock", "shaders/view.vert", "--root", "shaders/lights"]);
+    for part in ["shaders/lights/point.frag", "./shaders/lights", "shaders/**/*.frag"] {
+        let said = (0, "0 locks would change, 1 unchanged\n".to_string());
+        assert_eq!(tree.run(&["lock", part, "--check"]), said, "{part}");
+    }
+    let below = Tree(tree.0.join("shaders/lights"));
+    assert_eq!(below.run(&["lock", ".", "--check"]).1, "0 locks would change, 1 unchanged\n");
+    assert_eq!(below.run(&["lock", "..", "--check"]).1, "0 locks would change, 2 unchanged\n");
+    tree.write("shaders/lights/landfall.toml", "");
+    let (code, said) =
+        tree.run(&["lock", "shaders/view.vert", "--config", "shaders/lights/landfall.toml"]);
     assert_eq!(code, 2);
-    assert!(said.contains("is not below `shaders/lights`, which `--root` names"), "{said}");
-    tree.write("other/lights/point.frag", LIGHTS);
-    let (code, said) = tree.run(&["lock", "shaders", "other"]);
-    assert_eq!(code, 2);
-    assert!(said.contains("would be the lock of both"), "{said}");
+    assert!(said.contains("`shaders/view.vert` is not below shaders/lights"), "{said}");
+}
+
+/// Only so does `check` find nothing in what `lock` has just written.
+#[test]
+fn lock_and_check_read_the_same_configuration() {
+    let tree = Tree::new("config");
+    tree.write("shaders/vendor/a.frag", LIGHTS);
+    tree.write("shaders/sized.frag", "#version 450\nlayout(std140) uniform B { vec4 b[N]; };\n");
+    tree.write(
+        "landfall.toml",
+        "paths = [\"shaders\"]\nexclude = [\"vendor\"]\nlocks = \"kept\"\ndefine = [\"N=3\"]\n",
+    );
+    assert_eq!(tree.run(&["lock"]), (0, "3 locks written, 0 unchanged\n".into()));
+    assert!(tree.read("kept/shaders/sized.frag.json").contains("vec4[3]"));
+    let checked = tree.landfall(&["check"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", String::from_utf8_lossy(&checked.stdout));
+    let (code, said) = tree.run(&["lock", "-D", "N=4", "--check"]);
+    assert_eq!((code, said.lines().last()), (1, Some("1 lock would change, 2 unchanged")));
+    tree.write("landfall.toml", "pats = [\"shaders\"]\n");
+    let (code, said) = tree.run(&["lock"]);
+    assert!(code == 2 && said.contains("did you mean `paths`?"), "{said}");
 }
 
 #[test]
@@ -200,7 +228,7 @@ fn a_lock_that_cannot_be_written_is_not_lost() {
     tree.run(&["lock", "shaders"]);
     let old = tree.read(POINT);
     tree.write("shaders/lights/point.frag", &LIGHTS.replace("int count", "uint count"));
-    let folder = tree.0.join("layouts/lights");
+    let folder = tree.0.join("layouts/shaders/lights");
     let mode = |mode| fs::set_permissions(&folder, fs::Permissions::from_mode(mode)).unwrap();
     mode(0o555);
     let probe = fs::write(folder.join("probe"), "");
@@ -212,7 +240,7 @@ fn a_lock_that_cannot_be_written_is_not_lost() {
         fs::write(&folder, "in the way").unwrap();
         let (code, said) = tree.run(&["lock", "shaders"]);
         assert_eq!(code, 2);
-        assert!(said.contains("layouts/lights"), "{said}");
+        assert!(said.contains("layouts/shaders/lights"), "{said}");
         assert_eq!(fs::read_to_string(&folder).unwrap(), "in the way");
         return;
     }

@@ -205,6 +205,21 @@ fn the_locks_are_those_of_the_shaders() {
 }
 
 #[cfg(feature = "cli")]
+#[test]
+fn check_finds_nothing_to_report_in_this_repository() {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_landfall"))
+        .args(["check", "--deny", "warnings"])
+        .output()
+        .expect("the command of this package");
+    let told = String::from_utf8_lossy(&output.stderr);
+    let found = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{found}{told}");
+    assert!(told.contains("nothing to report"), "{told}");
+    let counted = format!("checked {} shaders", shaders().len());
+    assert!(told.contains(&counted), "{told}");
+}
+
+#[cfg(feature = "cli")]
 fn tree(root: &Path) -> Vec<(PathBuf, String)> {
     fn walk(root: &Path, dir: &Path, found: &mut Vec<(PathBuf, String)>) {
         for entry in fs::read_dir(dir).expect("a directory of layouts") {

@@ -79,7 +79,11 @@ fn lints_over_all_shaders_find_the_same_in_those_that_digests_pick() {
             .map(|(source, shader)| Subject { source, options: &options, shader })
             .collect();
         let digests: Vec<Vec<BlockDigest>> = shaders.iter().map(digest).collect();
-        let digests: Vec<&[BlockDigest]> = digests.iter().map(Vec::as_slice).collect();
+        let digests: Vec<(&str, &[BlockDigest])> = sources
+            .iter()
+            .zip(&digests)
+            .map(|(source, blocks)| (source.path.as_str(), blocks.as_slice()))
+            .collect();
         let picked = concerned(&digests, &settings);
         let picked: Vec<Subject<'_>> = picked.into_iter().map(|i| subjects[i]).collect();
         let (all, some) = (run::ask_tree(&subjects, &settings), run::ask_tree(&picked, &settings));

@@ -176,8 +176,12 @@ fn locks_keep_to_their_schema() {
     std::fs::write(shaders.join("nothing.vert"), "#version 330\nvoid main() {}\n").unwrap();
     std::fs::write(shaders.join("everything.wgsl"), EVERYTHING_IN_WGSL).unwrap();
     let locks = folder.join("layouts");
+    let config = folder.join("landfall.toml");
+    std::fs::write(&config, "").unwrap();
     let output = landfall(&[
         "lock",
+        "--config",
+        &config.display().to_string(),
         &shaders.display().to_string(),
         "--locks",
         &locks.display().to_string(),
@@ -202,7 +206,7 @@ fn locks_keep_to_their_schema() {
     }
     assert!(seen > 60, "{seen}");
     // With what `verify --record` is to write.
-    let text = std::fs::read_to_string(locks.join("nothing.vert.json")).unwrap();
+    let text = std::fs::read_to_string(locks.join("shaders/nothing.vert.json")).unwrap();
     let verified = r#""blocks": [], "verified": [{"reader": "gl", "adapter": "llvmpipe",
         "driver": "Mesa 22.3.6", "version": "0.1.0"}]"#;
     holds(&validator, &text.replace("\"blocks\": []", verified), "verified");
@@ -222,7 +226,7 @@ fn differences_keep_to_their_schema() {
     let validator = validator("diff");
     let (old, new) = (old.display().to_string(), new.display().to_string());
     for sides in [[&old, &new], [&new, &old], [&old, &old]] {
-        let output = landfall(&["diff", sides[0], sides[1], "--format", "json"]);
+        let output = landfall(&["diff", "--no-config", sides[0], sides[1], "--format", "json"]);
         let text = String::from_utf8(output.stdout).unwrap();
         let value = holds(&validator, &text, "diff");
         assert_eq!(value["shaders"].as_array().unwrap().is_empty(), sides[0] == sides[1]);

@@ -2,6 +2,7 @@
 // Without std140 the driver chooses the offsets: `shared` and the silent default keep
 // every member, `packed` may even drop what the shader does not read. Ask the driver
 // for the numbers, or write std140.
+// landfall: allow-file(rules-undeclared)
 
 layout(shared) uniform SharedBlock {
     float a;

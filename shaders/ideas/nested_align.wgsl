@@ -1,6 +1,7 @@
 // An @align inside a struct raises the struct's own alignment, wherever it is nested.
 
 struct Aligned {
+    // landfall: allow(naga-disagrees)
     @align(16) value: u32, // offset 0; the struct is 16 bytes, aligned to 16
 }
 

@@ -21,9 +21,9 @@ pub use beside::{Width, beside};
 /// JSON Schema (draft 2020-12) of the JSON output of `diff`.
 pub const DIFF_SCHEMA: &str = include_str!("schema/diff.json");
 
-/// Blocks with more leaves than this are written without Rust's names: each name depends on those
-/// of all the members before it.
-const MOST_NAMED: usize = 4096;
+/// Blocks with more leaves times changes than this are written without Rust's names: each name
+/// depends on those of all the members before it, and is found anew for each change.
+const MOST_NAMED: usize = 1 << 17;
 
 /// Two layouts of one shader, and what is different.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,8 @@ impl<'a> Compared<'a> {
     /// The Rust field a change is about: the one of the old mirror, if there was one.
     fn field(&self, diff: &BlockDiff, change: &Change) -> Option<String> {
         let named = |block: Option<&BlockLayout>| {
-            let block = block.filter(|block| block.leaves.len() <= MOST_NAMED)?;
+            let block =
+                block.filter(|block| block.leaves.len() * diff.changes.len() <= MOST_NAMED)?;
             rust::field(block, &change.path)
         };
         named(self.was(diff)).or_else(|| named(self.is(diff)))

@@ -186,6 +186,7 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
     let mut diagnostics = Vec::new();
     let mut cursor = Cursor::new(block.rules);
     let mut taken: Vec<(u64, u64, &Member)> = Vec::new();
+    let is_explicit = block.members.iter().any(|m| m.offset.is_some());
     for member in &block.members {
         let before = cursor.end();
         let Ok(placed) = cursor.place(member, block.majorness) else {
@@ -200,7 +201,7 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
                 // Only an explicit offset, or a member after one, can reach back.
                 diagnostics.push(overlap(member, placed.offset, other));
             }
-            if block.members.iter().any(|m| m.offset.is_some()) {
+            if is_explicit {
                 taken.push((placed.offset, end, member));
             }
         }

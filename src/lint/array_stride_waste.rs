@@ -12,7 +12,7 @@ pub(super) const LINT: Lint = Lint {
     code: "array-stride-waste",
     // It costs memory, not correctness, and packing costs an index.
     level: Level::Allow,
-    what: "reports an array of scalars or small vectors that could be packed into larger ones",
+    what: "an array of scalars or small vectors that could be packed into larger ones",
     why: "std140 puts the elements of every array 16 bytes apart: a `float[64]` is 1024 bytes, \
           three quarters of them padding, of the 16384 a uniform block is sure to have. Packed \
           into `vec4 w[16]` it is 256. Allowed unless asked for: it is a waste, not a fault.",

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use super::show::{counted, is_declared, listing, may_be_vulkan, place};
 use super::{Check, Finding, Level, Lint, Settings, Subject};
+use crate::ShaderLayout;
 use crate::layout::BlockLayout;
 use crate::shape::AddressSpace;
 use compare::{Difference, View, alike, collide, differences, is_head, shared, view};
@@ -88,11 +89,34 @@ fn copies<'a>(subjects: &'a [Subject<'a>]) -> impl Iterator<Item = Copy<'a>> {
     })
 }
 
+/// What a block has in common with every block it may be compared with.
+pub(super) fn keys<'a>(
+    shader: &'a ShaderLayout,
+    block: &'a BlockLayout,
+) -> impl Iterator<Item = String> {
+    let bound = matches!(block.space, AddressSpace::Uniform | AddressSpace::Storage);
+    let path = shader.path.replace('\\', "/");
+    let directory = path.rsplit_once('/').map_or("", |(directory, _)| directory).to_string();
+    let (space, slot) = (block.space.name(), (block.group, block.binding));
+    let beside = format!(
+        "{directory} {} {} {space} {} {slot:?}",
+        shader.language.name(),
+        block.name,
+        block.rules.name()
+    );
+    let program = program(shader);
+    let linked = program.as_ref().map(|program| format!("{program:?} {} {space}", block.name));
+    let shared = program.zip(block.binding).filter(|_| block.space == AddressSpace::Uniform);
+    let shared = shared
+        .map(|(program, binding)| format!("{program:?} {} {binding}", block.group.unwrap_or(0)));
+    [Some(beside), linked, shared].into_iter().flatten().filter(move |_| bound)
+}
+
 fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
     let mut named: BTreeMap<(Program, &str, &str), Vec<Copy<'_>>> = BTreeMap::new();
     let mut slots: BTreeMap<(Program, u32, u32), Vec<Copy<'_>>> = BTreeMap::new();
     for copy in copies(subjects) {
-        let Some(program) = program(copy.subject) else { continue };
+        let Some(program) = program(copy.subject.shader) else { continue };
         let block = copy.block;
         let key = (program.clone(), &*block.name, block.space.name());
         named.entry(key).or_default().push(copy);

@@ -8,7 +8,7 @@ pub(super) const LINT: Lint = Lint {
     code: "bool-in-block",
     // Legal GLSL with one layout; wrong only if the copy is.
     level: Level::Allow,
-    what: "reports a `bool` in a block: it is 4 bytes there, and 1 on the CPU",
+    what: "a `bool` in a block: it is 4 bytes there, and 1 on the CPU",
     why: "A `bool` in a GLSL block is as large as a `uint`, true for every value but 0. A `bool` \
           in Rust, C and C++ is 1 byte: everything after it is read from the wrong byte, and the \
           3 bytes beside it decide whether it is true. WGSL has none in buffers, and naga 30 \

@@ -16,7 +16,7 @@ pub(super) const LINT: Lint = Lint {
     code: "define-changes-layout",
     // Silent until permutations are configured; whoever does that wants to know.
     level: Level::Warn,
-    what: "reports a block whose layout changes under the macros of a permutation",
+    what: "a block whose layout changes under the macros of a permutation",
     why: "One shader is compiled with several sets of macros, one buffer is filled for all of \
           them: if an `#ifdef` adds a member or changes an array's length, every variant but one \
           reads from the wrong byte. A block that is there in one variant only is no finding: it \

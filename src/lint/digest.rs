@@ -10,14 +10,15 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
 use super::settings::Settings;
+use super::{block_mismatch, glob};
 use crate::layout::{BlockLayout, MemberLayout};
-use crate::shape::{AddressSpace, Type};
+use crate::shape::Type;
 use crate::{Language, ShaderLayout};
 
 /// One block in a few numbers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BlockDigest {
-    /// What blocks that should agree have in common: its name, and its group with its binding.
+    /// What it has in common with every block that it should agree with.
     pub keys: Vec<u32>,
     /// What the settings may call it: its own name, its instance's, its structures' and members'.
     pub names: Vec<u32>,
@@ -27,60 +28,59 @@ pub struct BlockDigest {
 
 /// The blocks of a shader.
 pub fn digest(shader: &ShaderLayout) -> Vec<BlockDigest> {
-    shader.blocks.iter().map(of_block).collect()
+    shader.blocks.iter().map(|block| of_block(shader, block)).collect()
 }
 
 /// The shaders, by their numbers, that lints over all shaders may have something to say about.
-pub fn concerned(shaders: &[&[BlockDigest]], settings: &Settings) -> Vec<usize> {
+pub fn concerned(shaders: &[(&str, &[BlockDigest])], settings: &Settings) -> Vec<usize> {
     let mut layouts: FxHashMap<u32, u64> = FxHashMap::default();
     let mut differing: FxHashSet<u32> = FxHashSet::default();
-    for block in shaders.iter().copied().flatten() {
+    for block in shaders.iter().flat_map(|(_, blocks)| *blocks) {
         for &key in &block.keys {
             if *layouts.entry(key).or_insert(block.layout) != block.layout {
                 differing.insert(key);
             }
         }
     }
-    let named = named(settings);
-    let known: FxHashSet<u32> =
-        shaders.iter().copied().flatten().flat_map(|block| block.names.iter().copied()).collect();
-    // A name that is nowhere may be misspelt: then every block is a candidate.
-    let all = named.iter().any(|name| !known.contains(name));
-    let is_concerned = |blocks: &[BlockDigest]| {
-        blocks.iter().any(|block| {
-            block.keys.iter().any(|key| differing.contains(key))
-                || block.names.iter().any(|name| named.contains(name))
-        })
-    };
-    (0..shaders.len()).filter(|&i| all || is_concerned(shaders[i])).collect()
-}
-
-/// What the settings name: the first name of each path.
-fn named(settings: &Settings) -> FxHashSet<u32> {
-    let groups = settings.mirror_groups.iter().flat_map(|group| &group.copies);
-    let copies = groups.map(|copy| copy.block.as_str());
-    let tables = settings.tables.iter().map(|table| table.block.as_str());
-    let mirrors = settings.rust_mirrors.iter().map(|mirror| mirror.block.as_str());
-    let first = |name: &str| short(name.split(['.', '[']).next().unwrap_or(name));
-    copies.chain(tables).chain(mirrors).map(first).collect()
-}
-
-fn of_block(block: &BlockLayout) -> BlockDigest {
-    let mut keys = Vec::new();
-    // Loose uniforms are no block that two shaders could disagree about.
-    if block.space != AddressSpace::Default {
-        keys.push(short(&block.name));
-        if block.group.is_some() || block.binding.is_some() {
-            keys.push(short(&format!("{:?} {:?}", block.group, block.binding)));
-        }
+    let differs = |block: &BlockDigest| block.keys.iter().any(|key| differing.contains(key));
+    let mut is_concerned: Vec<bool> =
+        shaders.iter().map(|(_, blocks)| blocks.iter().any(differs)).collect();
+    for (file, name) in named(settings) {
+        let meant = |path: &str| file.is_empty() || glob::matches(&file, path);
+        let meant: Vec<usize> = (0..shaders.len()).filter(|&i| meant(shaders[i].0)).collect();
+        let has = |&i: &usize| shaders[i].1.iter().any(|block| block.names.contains(&name));
+        let having: Vec<usize> = meant.iter().copied().filter(has).collect();
+        // A name that is nowhere may be misspelt: then every block is a candidate.
+        let all = if having.is_empty() { meant } else { having };
+        all.into_iter().for_each(|i| is_concerned[i] = true);
     }
+    (0..shaders.len()).filter(|&i| is_concerned[i]).collect()
+}
+
+/// What the settings name, and in which shaders: the first name of each path.
+fn named(settings: &Settings) -> FxHashSet<(String, u32)> {
+    let groups = settings.mirror_groups.iter().flat_map(|group| &group.copies);
+    let copies = groups.map(|copy| (copy.file.clone(), copy.block.clone()));
+    let tables = settings.tables.iter().map(|table| (table.file.clone(), table.block.clone()));
+    let first = |name: &str| short(name.trim().split(['.', '[']).next().unwrap_or(name));
+    let mirrors = settings.rust_mirrors.iter().map(|m| (m.shader.clone(), m.block.clone()));
+    #[cfg(feature = "cli")]
+    let mirrors = mirrors.chain(super::rust_mirror::named(settings));
+    copies.chain(tables).chain(mirrors).map(|(file, name)| (file, first(&name))).collect()
+}
+
+fn of_block(shader: &ShaderLayout, block: &BlockLayout) -> BlockDigest {
     let mut names = vec![short(&block.name)];
     names.extend(block.instance.as_deref().map(short));
     names.extend(block.members.iter().map(|member| short(&member.name)));
     structures(&block.members, &mut names);
     names.sort_unstable();
     names.dedup();
-    BlockDigest { keys, names, layout: layout(block) }
+    BlockDigest {
+        keys: block_mismatch::keys(shader, block).map(|key| short(&key)).collect(),
+        names,
+        layout: layout(block),
+    }
 }
 
 fn structures(members: &[MemberLayout], names: &mut Vec<u32>) {
@@ -186,7 +186,8 @@ mod tests {
     }
 
     fn concerned_of(shaders: &[Vec<BlockDigest>], settings: &Settings) -> Vec<usize> {
-        let shaders: Vec<&[BlockDigest]> = shaders.iter().map(Vec::as_slice).collect();
+        let shaders: Vec<(&str, &[BlockDigest])> =
+            shaders.iter().map(|blocks| ("a.frag", blocks.as_slice())).collect();
         concerned(&shaders, settings)
     }
 
@@ -196,6 +197,17 @@ mod tests {
         assert_eq!(fnv(b""), 0xcbf2_9ce4_8422_2325);
         assert_eq!(fnv(b"a"), 0xaf63_dc4c_8601_ec8c);
         assert_eq!(fnv(b"foobar"), 0x8594_4171_f739_67e8);
+    }
+
+    #[test]
+    fn blocks_of_one_name_in_two_directories_are_not_compared() {
+        let at = |path: &str, body: &str| {
+            let text = format!("#version 450\nlayout(std140) uniform A {{ {body} }} a;\n");
+            digest(&layout(&Source::new(path, text), &Options::default()))
+        };
+        let shaders =
+            [at("x/a.frag", "vec3 a;"), at("y/a.frag", "vec4 a;"), at("y/b.frag", "mat4 a;")];
+        assert_eq!(concerned_of(&shaders, &Settings::default()), [1, 2]);
     }
 
     #[test]

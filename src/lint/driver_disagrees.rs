@@ -16,7 +16,7 @@ pub(super) const LINT: Lint = Lint {
     code: "driver-disagrees",
     // Seen on a machine, not computed: wherever that driver runs, the upload is misread.
     level: Level::Deny,
-    what: "reports leaves that a driver reads from another byte than the rules say",
+    what: "leaves that a driver reads from another byte than the rules say",
     why: "`verify` fills a block with known words and asks the driver what it sees. Where that is \
           another word, either the driver is wrong or the rules are its own (`shared`, `packed`, \
           or none at all): every upload made by the rules is misread there.",
@@ -37,66 +37,83 @@ void main() {}
 const SCHEMA_VERSION: u32 = 1;
 
 /// `verify`'s report, as far as it is read; further keys are passed over.
-#[derive(Deserialize)]
-struct Report {
-    schema_version: u32,
+#[derive(Debug, Deserialize)]
+pub struct Report {
     shaders: Vec<Shader>,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Deserialize)]
 struct Shader {
     path: String,
     blocks: Vec<Block>,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Deserialize)]
 struct Block {
     name: String,
-    leaves: Vec<Probe>,
+    readers: Vec<Reader>,
 }
 
-/// What one reader saw of one element of a leaf.
-#[derive(Deserialize)]
-struct Probe {
-    /// `data[].color`.
-    path: String,
-    /// `data[3].color`; the leaf's own path where it is no array.
-    element: Option<String>,
-    /// `gl`, `gpu`, `cpu`, with the driver's name if the report gives it.
+/// What one reader saw of a block.
+#[derive(Debug, Deserialize)]
+struct Reader {
+    /// `gl`, `gpu`, `cpu`.
     reader: String,
+    /// The text that was run: `original`, `naga`.
+    form: String,
+    reads: Vec<Read>,
+    causes: Vec<Cause>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Read {
+    /// `data[3].color.y`.
+    path: String,
+    /// `data[].color`.
+    leaf: String,
     /// Where the layout puts it, from the start of the block.
     expected_byte: u64,
-    /// Where the reader found what it read; `None` when it was no byte of the block.
+    /// Where the reader found what it read; `None` when nothing of the upload was read.
     byte_read: Option<u64>,
-    /// What the reader takes to be the reason.
-    cause: Option<String>,
 }
 
-/// The disagreements in a report, one finding for each leaf and reader.
+/// What the reader takes to be the reason.
+#[derive(Debug, Deserialize)]
+struct Cause {
+    leaf: String,
+    cause: String,
+}
+
+impl Report {
+    /// The shaders it is about.
+    pub fn paths(&self) -> impl Iterator<Item = &str> {
+        self.shaders.iter().map(|shader| shader.path.as_str())
+    }
+
+    /// The disagreements about the shaders whose layouts are known, one finding for each leaf and
+    /// reader.
+    pub fn findings<'s>(&self, known: &dyn Fn(&str) -> Option<&'s ShaderLayout>) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for shader in &self.shaders {
+            let Some(layout) = known(&shader.path) else { continue };
+            for block in &shader.blocks {
+                let Some(known) = layout.blocks.iter().find(|known| *known.name == block.name)
+                else {
+                    continue;
+                };
+                let leaves = by_leaf(block);
+                findings.extend(leaves.iter().map(|leaf| finding(block, leaf, (layout, known))));
+            }
+        }
+        findings
+    }
+}
+
+/// Reads a report.
 ///
 /// # Errors
 /// The text is no report of `verify`, or one of a newer version.
-pub fn findings(
-    path: &str,
-    report: &str,
-    shaders: &[&ShaderLayout],
-) -> Result<Vec<Finding>, Error> {
-    let report = read(path, report)?;
-    let mut findings = Vec::new();
-    for shader in &report.shaders {
-        let layout = shaders.iter().find(|layout| layout.path == shader.path).copied();
-        for block in &shader.blocks {
-            let known =
-                layout.and_then(|l| l.blocks.iter().find(|known| *known.name == block.name));
-            for probes in by_leaf(block) {
-                findings.push(finding(&shader.path, block, &probes, layout.zip(known)));
-            }
-        }
-    }
-    Ok(findings)
-}
-
-fn read(path: &str, text: &str) -> Result<Report, Error> {
+pub fn read(path: &str, text: &str) -> Result<Report, Error> {
     /// Asked first: a newer report may have another form.
     #[derive(Deserialize)]
     struct Version {
@@ -113,65 +130,69 @@ fn read(path: &str, text: &str) -> Result<Report, Error> {
         );
         return Err(Error::new(path, message).with_help("use the landfall that wrote it"));
     }
-    let report: Report = serde_json::from_str(text).map_err(refused)?;
-    debug_assert_eq!(report.schema_version, schema_version);
-    Ok(report)
+    serde_json::from_str(text).map_err(refused)
 }
 
-/// The probes that disagree, those of one leaf and reader together, in the order of the report.
-fn by_leaf(block: &Block) -> Vec<Vec<&Probe>> {
-    let mut groups: Vec<Vec<&Probe>> = Vec::new();
-    let mut index: FxHashMap<(&str, &str), usize> = FxHashMap::default();
-    for probe in block.leaves.iter().filter(|probe| probe.byte_read != Some(probe.expected_byte)) {
-        let at = *index.entry((&probe.path, &probe.reader)).or_insert(groups.len());
-        match groups.get_mut(at) {
-            Some(group) => group.push(probe),
-            None => groups.push(vec![probe]),
+/// What one reader read elsewhere of one leaf.
+struct Elsewhere<'r> {
+    reader: &'r Reader,
+    reads: Vec<&'r Read>,
+}
+
+/// The reads that disagree, in the order of the report.
+fn by_leaf(block: &Block) -> Vec<Elsewhere<'_>> {
+    let mut groups: Vec<Elsewhere<'_>> = Vec::new();
+    let mut index: FxHashMap<(&str, &str, &str), usize> = FxHashMap::default();
+    for reader in &block.readers {
+        for read in reader.reads.iter().filter(|read| read.byte_read != Some(read.expected_byte)) {
+            // Stages, and ways of reading, say the same once more.
+            let at =
+                *index.entry((&read.leaf, &reader.reader, &reader.form)).or_insert(groups.len());
+            match groups.get_mut(at) {
+                Some(group) if group.reads.iter().any(|other| other.path == read.path) => {}
+                Some(group) => group.reads.push(read),
+                None => groups.push(Elsewhere { reader, reads: vec![read] }),
+            }
         }
     }
     groups
 }
 
 fn finding(
-    path: &str,
     block: &Block,
-    probes: &[&Probe],
-    known: Option<(&ShaderLayout, &BlockLayout)>,
+    elsewhere: &Elsewhere<'_>,
+    (shader, layout): (&ShaderLayout, &BlockLayout),
 ) -> Finding {
-    let first = probes[0];
-    let element = first.element.as_deref().unwrap_or(&first.path);
+    let (first, reader) = (elsewhere.reads[0], elsewhere.reader);
     let read = match first.byte_read {
         Some(byte) => format!("from byte {byte} instead of {}", first.expected_byte),
         None => format!("from no byte of the block; it is at {}", first.expected_byte),
     };
-    let message = format!("`{}` reads `{element}` of block `{}` {read}", first.reader, block.name);
-    let leaf: Option<&Leaf> =
-        known.and_then(|(_, layout)| layout.leaves.iter().find(|leaf| leaf.path == first.path));
-    let place = match (known, leaf) {
-        (Some((shader, _)), Some(leaf)) => Place::of(&shader.files, leaf.span),
-        (Some((shader, layout)), None) => Place::of(&shader.files, layout.span),
-        (None, _) => Place::file(path),
-    };
-    let about = format!("{}.{} in {}", block.name, first.path, first.reader);
+    let who = &reader.reader;
+    let message = format!("`{who}` reads `{}` of block `{}` {read}", first.path, block.name);
+    let leaf: Option<&Leaf> = layout.leaves.iter().find(|leaf| leaf.path == first.leaf);
+    let place = Place::of(&shader.files, leaf.map_or(layout.span, |leaf| leaf.span));
+    let about = format!("{}.{} in {who}", block.name, first.leaf);
     let mut finding = Finding::new(LINT.code, about, place, message);
-    if let Some((shader, layout)) = known {
-        finding.listing = listing(shader, layout);
-        if !layout.rules_declared {
-            finding = finding
-                .with_note("the block declares no rules: its offsets are the driver's")
-                .with_help(format!("declare `layout({})`", layout.rules.name()));
-        }
+    finding.listing = listing(shader, layout);
+    if !layout.rules_declared {
+        finding = finding
+            .with_note("the block declares no rules: its offsets are the driver's")
+            .with_help(format!("declare `layout({})`", layout.rules.name()));
     }
-    if probes.len() > 1 {
-        let (elements, are) = match probes.len() - 1 {
-            1 => ("1 further element".to_string(), "is"),
-            n => (format!("{n} further elements"), "are"),
+    if reader.form == "naga" {
+        finding = finding.with_note("what was run is the module that naga makes of the text");
+    }
+    if elsewhere.reads.len() > 1 {
+        let (values, are) = match elsewhere.reads.len() - 1 {
+            1 => ("1 further value".to_string(), "is"),
+            n => (format!("{n} further values"), "are"),
         };
         finding = finding
-            .with_note(format!("{elements} of `{}` {are} read from other bytes too", first.path));
+            .with_note(format!("{values} of `{}` {are} read from other bytes too", first.leaf));
     }
-    match &first.cause {
-        Some(cause) => finding.with_note(cause.clone()),
+    match reader.causes.iter().find(|cause| cause.leaf == first.leaf) {
+        Some(cause) => finding.with_note(cause.cause.clone()),
         None => finding,
     }
 }

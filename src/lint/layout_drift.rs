@@ -6,7 +6,7 @@ pub(super) const LINT: Lint = Lint {
     code: "layout-drift",
     // Whoever committed a lock has asked to be told.
     level: Level::Deny,
-    what: "A block is not laid out as the lock of its shader records.",
+    what: "a block is not laid out as the lock of its shader records",
     why: "Code that uploads the block was written for the recorded layout. A member that moved, \
           changed its type or is gone makes the shader read other bytes than were meant, and \
           nothing says so: a light turns black. Changes that old uploads survive (members added \

@@ -6,7 +6,7 @@ pub(super) const LINT: Lint = Lint {
     code: "lock-missing",
     // A new shader is no fault; that nobody guards it is worth a word.
     level: Level::Warn,
-    what: "A shader that has blocks or loose uniforms has no lock.",
+    what: "a shader that has blocks or loose uniforms has no lock",
     why: "Without a lock there is nothing to compare with: the next change of its layout is \
           merged unseen.",
     example: "#version 330 core\n\

@@ -9,7 +9,7 @@ pub(super) const LINT: Lint = Lint {
     code: "mat3-padding",
     // Every normal matrix in a block does this.
     level: Level::Allow,
-    what: "reports a matrix with padding after each column: a `mat3` is 48 bytes, not 36",
+    what: "a matrix with padding after each column: a `mat3` is 48 bytes, not 36",
     why: "A matrix is an array of its columns (rows, if it is row-major), and those of three \
           components are 16 bytes apart; in std140 those of two components as well. A packed \
           `mat3` of 36 bytes is right in its first column only. Allowed unless asked for, \

@@ -92,7 +92,7 @@ pub enum Check {
 pub struct Subject<'a> {
     /// Its text.
     pub source: &'a Source,
-    /// How it was laid out; naga was asked too.
+    /// How it was laid out; naga was asked too where [`naga_disagrees::wanted`] says so.
     pub options: &'a Options,
     /// Its layout; it has no errors.
     pub shader: &'a ShaderLayout,

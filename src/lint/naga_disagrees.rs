@@ -18,7 +18,7 @@ pub(super) const LINT: Lint = Lint {
     // reported only where somebody says that it goes through naga; for the target `webgpu` the
     // level is `deny`, because there the wrong byte is certain: see `Lint::level_under`.
     level: Level::Warn,
-    what: "reports leaves that naga, and so wgpu, reads from another byte than the language says",
+    what: "leaves that naga, and so wgpu, reads from another byte than the language says",
     why: "naga 30 takes some declarations and lays them out wrong, without a word: `@align` on a \
           member of a nested structure, arrays of arrays in GLSL, small structures in std140, \
           push constants, `bool`. The same upload is right in a browser and in OpenGL and wrong \

@@ -21,7 +21,7 @@ pub(super) const LINT: Lint = Lint {
     code: "reorder-saves",
     // Order is often chosen for the reader; every copy has to follow a change of it.
     level: Level::Allow,
-    what: "reports a block or structure that is smaller with its members in another order",
+    what: "a block or structure that is smaller with its members in another order",
     why: "A `vec3` or a matrix that follows a lone scalar starts at the next multiple of 16 and \
           leaves a hole. The finding names the smallest order and the bytes it saves, for each \
           element where it is a structure in an array. Allowed unless asked for: it is a waste, \

@@ -10,7 +10,7 @@ use super::{Check, LINTS, Subject, lint};
 /// The level a lint has under these settings; findings that are no lint's are warnings.
 pub fn level(code: &str, settings: &Settings) -> Level {
     let lint = lint(code);
-    let mut level = lint.map_or(Level::Warn, |lint| lint.level);
+    let mut level = lint.map_or(Level::Warn, |lint| lint.level_under(settings));
     for (whose, said) in &settings.levels {
         let meant = match whose.as_str() {
             "all" => lint.is_some(),

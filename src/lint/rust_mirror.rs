@@ -29,7 +29,7 @@ use types::{Laid, Shape, Types, Unknown};
 pub(super) const LINT: Lint = Lint {
     code: "rust-mirror",
     level: Level::Deny,
-    what: "reports a hand-written Rust structure whose fields are not where the shader reads them",
+    what: "a hand-written Rust structure whose fields are not where the shader reads them",
     why: "A `#[repr(C)]` structure is uploaded byte by byte. Where it lacks a padding field, or \
           has an array 12 bytes apart that the shader reads 16 apart, every byte after that is \
           misread, and nothing says so. A structure is held against a block when the \
@@ -53,7 +53,7 @@ pub(super) const UNKNOWN: Lint = Lint {
     code: "rust-mirror-unknown",
     // Nothing is known to be wrong.
     level: Level::Warn,
-    what: "reports a mirror that could not be held against its block",
+    what: "a mirror that could not be held against its block",
     why: "A field of a type that landfall does not know, a block that no checked shader has: the \
           mirror is not guarded, though somebody asked for it.",
     example: "\
@@ -82,6 +82,13 @@ fn check_unknown(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> 
 /// It is no Rust: with line and column.
 pub fn readable(file: &RustFile) -> Result<(), Error> {
     file::read(file).map(|_| ())
+}
+
+/// The shaders, as globs, and the blocks that comments in Rust files name.
+pub(super) fn named(settings: &Settings) -> Vec<(String, String)> {
+    let files = settings.rust_files.iter();
+    let comments = files.filter_map(|file| file::read(file).ok()).flat_map(|read| read.comments);
+    comments.flat_map(|comment| comment.blocks).collect()
 }
 
 /// A Rust structure as rustc lays it out.
@@ -219,7 +226,8 @@ fn of_mirror(
             let message =
                 format!("`{}` cannot be held against `{}`: {cause}", own.name, mirror.block);
             let finding = Finding::new(UNKNOWN.code, &*own.name, own.place.clone(), message);
-            findings.push(finding);
+            let help = "spell the type out as numbers and arrays, or declare it in the same file";
+            findings.push(finding.with_help(help));
             return findings;
         }
     };

@@ -8,7 +8,7 @@ pub(super) const LINT: Lint = Lint {
     code: "scalar-after-vec3",
     // Most shaders do this, most of them on purpose: it saves 4 bytes.
     level: Level::Allow,
-    what: "reports a scalar that stands in the 4 bytes after a `vec3`",
+    what: "a scalar that stands in the 4 bytes after a `vec3`",
     why: "A `vec3` is aligned to 16 bytes but takes up 12: a scalar after it is at +12. A copy of \
           the structure whose `vec3` takes 16 bytes (an aligned math type, a `float[4]`) has it \
           at +16, and everything after it is read from the wrong byte. Allowed unless asked for, \

@@ -5,7 +5,7 @@ use super::{Check, Level, Lint};
 pub(super) const LINT: Lint = Lint {
     code: "unused-allow",
     level: Level::Warn,
-    what: "A `// landfall: allow(code)` comment that suppresses nothing, or names no lint.",
+    what: "a `// landfall: allow(code)` comment that suppresses nothing, or names no lint",
     why: "What it once suppressed was mended or has moved away; left in place it hides the next \
           finding of that lint there, and a misspelt code hides nothing at all. Warned of, since \
           the comment itself breaks nothing; not for lints that the run does not ask.",

@@ -10,7 +10,7 @@ pub(super) const LINT: Lint = Lint {
     code: "unused-block",
     // Shared headers declare more than each shader uses, and asking costs naga's time.
     level: Level::Allow,
-    what: "reports a block that no function of the shader reads or writes",
+    what: "a block that no function of the shader reads or writes",
     why: "Drivers leave an unused block out: `glGetUniformBlockIndex` does not find it, and a \
           bind group layout that wgpu derives from the shader lacks its binding. Known only of \
           texts that naga takes as they are: WGSL, and Vulkan GLSL without `#if`, with an entry \

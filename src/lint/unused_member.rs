@@ -13,7 +13,7 @@ pub(super) const LINT: Lint = Lint {
     code: "unused-member",
     // A block shared by several shaders has members for each of them.
     level: Level::Allow,
-    what: "reports a member of a block that no function of the shader reads or writes",
+    what: "a member of a block that no function of the shader reads or writes",
     why: "It costs bytes and an upload, and is often a leftover, or a typo: another member is \
           read in its place. Known only of texts that naga takes as they are: WGSL, and Vulkan \
           GLSL without `#if`, with an entry point. A structure that is copied as a whole uses all \

@@ -8,7 +8,7 @@ pub(super) const LINT: Lint = Lint {
     code: "vec3-array",
     // Legal and common; wrong only if the copy is.
     level: Level::Allow,
-    what: "reports an array of `vec3`, whose elements are 16 bytes apart",
+    what: "an array of `vec3`, whose elements are 16 bytes apart",
     why: "A `vec3` is 12 bytes but aligned to 16, so the elements of an array of them are 16 \
           apart under every rule but scalar. An upload of tightly packed `vec3`s is right for \
           element 0 only. Allowed unless asked for, because the shader is right.",

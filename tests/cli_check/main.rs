@@ -5,6 +5,7 @@ mod config;
 mod levels;
 mod locks;
 mod mend;
+mod outside;
 mod place;
 mod report;
 mod shards;

@@ -48,7 +48,7 @@ fn diff_shows_what_fix_would_do_and_changes_nothing() {
     let ran = check(&place, &["--diff"]);
     assert_eq!(ran.code, 1, "{}", ran.err);
     assert_eq!(place.read("s/a.frag"), bad);
-    assert!(ran.out.contains("--- s/a.frag\n+++ s/a.frag\n@@ "), "{}", ran.out);
+    assert!(ran.out.contains("--- a/s/a.frag\n+++ b/s/a.frag\n@@ "), "{}", ran.out);
     assert!(!ran.out.contains("b.frag"));
     // The patch, applied by hand: its context and added lines are all in the mended text.
     let kept = ran.out.lines().skip(2).filter_map(|line| line.strip_prefix([' ', '+']));
@@ -110,7 +110,7 @@ fn includes_are_mended_once_for_all() {
     place.write("a.frag", with).write("c.frag", with);
     place.write("b.inc", "struct S { vec4 a; }; // landfall: allow(stale-comment)\n");
     let shown = check(&place, &["--diff"]);
-    assert_eq!((shown.code, shown.out.matches("--- b.inc").count()), (1, 1), "{}", shown.out);
+    assert_eq!((shown.code, shown.out.matches("--- a/b.inc").count()), (1, 1), "{}", shown.out);
     assert_eq!(check(&place, &["--fix"]).code, 0);
     assert_eq!(place.read("b.inc"), "struct S { vec4 a; };\n");
     assert_eq!(place.read("a.frag"), with);

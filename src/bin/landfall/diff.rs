@@ -12,6 +12,7 @@ use landfall::file::write_whole;
 use landfall::{Error, ShaderLayout, lock};
 
 use crate::args::{DiffArgs, DiffFormat};
+use crate::config;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use side::{Entry, Reading, Side, nothing};
 
@@ -19,8 +20,19 @@ use side::{Entry, Reading, Side, nothing};
 const COLUMNS: usize = 100;
 
 pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let reading = Reading { args: &args.read, streams, style: streams.style(FindingForm::Human) };
-    let sides = sides(args, &reading)?;
+    // Arguments may name revisions: the configuration is that of here.
+    let Some(config) = config::load(&args.config, &[], streams)? else {
+        return Ok(Outcome::CouldNot);
+    };
+    let reading = Reading {
+        args: &args.read,
+        options: config.options(&args.read.text, &args.read.defines),
+        config: &config,
+        streams,
+        style: streams.style(FindingForm::Human),
+    };
+    let mut sides = sides(args, &reading)?;
+    sides.iter_mut().for_each(|(old, new)| agree(old, new));
     let failed = sides.iter().any(|(old, new)| old.failed || new.failed);
     let mut pairs = Vec::new();
     for (old, new) in &sides {
@@ -132,6 +144,26 @@ fn pair(old: &Side, new: &Side) -> Result<Vec<Pair>, Error> {
     Ok(pairs)
 }
 
+/// Locks are the tree from the configuration's folder: beside them, so are shaders.
+fn agree(old: &mut Side, new: &mut Side) {
+    let all_locks = |side: &Side| side.entries.iter().all(|entry| entry.lock.is_some());
+    let no_locks = |side: &Side| side.entries.iter().all(|entry| entry.lock.is_none());
+    if !(all_locks(old) && no_locks(new) || no_locks(old) && all_locks(new)) {
+        return;
+    }
+    let meet = old.entries.iter().any(|entry| {
+        entry.shader.is_some() && new.entries.iter().any(|other| other.shader == entry.shader)
+    });
+    if !meet {
+        return;
+    }
+    for entry in old.entries.iter_mut().chain(&mut new.entries) {
+        if let Some(shader) = &entry.shader {
+            entry.key = shader.clone();
+        }
+    }
+}
+
 /// The keys of a side; those of an output of `layout` without the directory all have in common.
 fn keys(side: &Side) -> Vec<String> {
     let keys: Vec<String> = side.entries.iter().map(|entry| entry.key.clone()).collect();
@@ -178,8 +210,7 @@ fn accept(old: &Side, new: &Side, streams: &Streams) -> Result<(), Error> {
     for entry in &truth.entries {
         let known = locked.entries.iter().find(|other| truth.single || other.key == entry.key);
         let target = known.and_then(place).map(Path::to_path_buf);
-        let target = target
-            .or_else(|| locked.locks.as_ref().map(|dir| lock::path_of(dir, Path::new(&entry.key))));
+        let target = target.or_else(|| new_lock(locked, truth, entry));
         let Some(target) = target else { continue };
         let before = known.and_then(|entry| entry.lock.as_ref()).map(|(_, lock)| lock);
         let text = lock::renew(&entry.layout, before);
@@ -190,6 +221,18 @@ fn accept(old: &Side, new: &Side, streams: &Streams) -> Result<(), Error> {
         streams.notes(&format!("renewed {}\n", target.display()));
     }
     Ok(())
+}
+
+/// Where the lock of a shader goes that has none yet: beside the others.
+fn new_lock(locked: &Side, truth: &Side, entry: &Entry) -> Option<PathBuf> {
+    let dir = locked.locks.as_ref()?;
+    let other = locked.entries.iter().find_map(|other| {
+        let place = place(other)?;
+        let known = truth.entries.iter().any(|entry| entry.key == other.key);
+        let tail = lock::path_of(Path::new(""), Path::new(&other.key));
+        known.then(|| place.ancestors().nth(tail.components().count())).flatten()
+    });
+    Some(lock::path_of(other.unwrap_or(dir), Path::new(&entry.key)))
 }
 
 /// Where an entry's lock is in the work tree.

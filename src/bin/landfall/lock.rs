@@ -1,6 +1,6 @@
 //! `landfall lock`: one lock a shader, written only where it changes.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -10,47 +10,50 @@ use landfall::source::{Files, kind_of_path};
 use landfall::{Diagnostic, Error, Options, Severity, lock};
 
 use crate::args::LockArgs;
+use crate::config::{self, Config, slashes};
 use crate::inputs::{Input, Inputs};
 use crate::layout::panicked;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{read, work};
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let job =
-        Job { args, options: read::options(&args.read), style: streams.style(FindingForm::Human) };
+    let Some(config) = config::load(&args.config, &args.paths, streams)? else {
+        return Ok(Outcome::CouldNot);
+    };
+    let paths = config.paths(&args.paths);
+    let searched: Vec<String> = paths
+        .iter()
+        .filter(|path| path.is_dir())
+        .filter_map(|path| config.root.below(path))
+        .collect();
+    let job = Job {
+        args,
+        config: &config,
+        locks: config.locks(args.locks.as_deref()),
+        options: config.options(&args.read.text, &args.read.defines),
+        style: streams.style(FindingForm::Human),
+    };
     let mut tally = Tally::default();
     work::ordered(
-        Inputs::new(args.files.clone()),
+        Inputs::new(paths).filter(|input| job.takes(input)),
         args.jobs,
         |input| job.one(input),
         |done| tally.take(done, args, job.style, streams),
     )?;
-    tally.orphans(args, job.style, streams);
+    tally.orphans(&job, &searched, streams);
     tally.finish(args, streams)
-}
-
-/// Where the lock of a shader goes: the tree below `--root`, or below the directory that was named.
-fn target(args: &LockArgs, input: &Input) -> Result<PathBuf, Error> {
-    let Some(root) = &args.root else { return Ok(lock::path_of(&args.locks, &input.relative)) };
-    let real = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    match real(&input.path).strip_prefix(real(root)) {
-        Ok(relative) => Ok(lock::path_of(&args.locks, relative)),
-        Err(_) => {
-            let message = format!("is not below `{}`, which `--root` names", root.display());
-            Err(Error::new(input.path.display().to_string(), message))
-        }
-    }
 }
 
 struct Job<'a> {
     args: &'a LockArgs,
+    config: &'a Config,
+    locks: PathBuf,
     options: Options,
     style: FindingStyle,
 }
 
 /// What became of one shader.
 struct Done {
-    shader: PathBuf,
     /// Where its lock goes; `None` when that cannot be said.
     target: Option<PathBuf>,
     /// The lock as it should be; `None` when the shader could not be laid out.
@@ -65,30 +68,36 @@ impl work::Weighed for Done {
 }
 
 impl Job<'_> {
+    /// Whether the configuration does not leave an input out.
+    fn takes(&self, input: &Result<Input, Error>) -> bool {
+        let Ok(input) = input else { return true };
+        !self.config.root.below(&input.path).is_some_and(|below| self.config.exclude.takes(&below))
+    }
+
     fn one(&self, input: Result<Input, Error>) -> Done {
         let found = |error: Error, code| Diagnostic { code, ..error.into() };
-        let failed = |shader: PathBuf, target, found: Diagnostic| Done {
-            shader,
+        let failed = |target, found: Diagnostic| Done {
             target,
             text: None,
             findings: self.style.text(&[found], &Files::default()),
         };
         let input = match input {
             Ok(input) => input,
-            Err(error) => return failed(PathBuf::new(), None, found(error, "no-input")),
+            Err(error) => return failed(None, found(error, "no-input")),
         };
-        let target = match target(self.args, &input) {
-            Ok(target) => target,
-            Err(error) => return failed(input.path, None, found(error, "no-input")),
-        };
+        let target =
+            match self.config.lock_of(&self.locks, &read::named(&input.path, &self.args.read)) {
+                Ok(target) => target,
+                Err(error) => return failed(None, found(error, "no-input")),
+            };
         let source = match read::source(&input.path, &self.args.read) {
             Ok(source) => source,
-            Err(error) => return failed(input.path, Some(target), error.into()),
+            Err(error) => return failed(Some(target), error.into()),
         };
         let laid_out = AssertUnwindSafe(|| landfall::layout(&source, &self.options));
         let Ok(shader) = catch_unwind(laid_out) else {
             let found = panicked(&input.path);
-            return failed(input.path, Some(target), found);
+            return failed(Some(target), found);
         };
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         let text = if shader.has_errors() {
@@ -102,7 +111,7 @@ impl Job<'_> {
                 }
             }
         };
-        Done { shader: input.path, target: Some(target), text, findings }
+        Done { target: Some(target), text, findings }
     }
 }
 
@@ -121,8 +130,8 @@ fn old(target: &Path) -> Result<Option<lock::Lock>, Error> {
 /// What a run came to.
 #[derive(Default)]
 struct Tally {
-    /// Locks by their shaders.
-    targets: HashMap<PathBuf, PathBuf>,
+    /// Locks of the shaders that were seen.
+    targets: HashSet<PathBuf>,
     unchanged: usize,
     changed: usize,
     pruned: usize,
@@ -140,16 +149,7 @@ impl Tally {
         streams.report(&done.findings);
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
         if let Some(target) = &done.target {
-            if let Some(other) = self.targets.insert(target.clone(), done.shader.clone()) {
-                let message = format!(
-                    "would be the lock of both `{}` and `{}`",
-                    other.display(),
-                    done.shader.display()
-                );
-                return Err(Error::new(target.display().to_string(), message)
-                    .with_help("lock each directory into a directory of its own, or say `--root`")
-                    .into());
-            }
+            self.targets.insert(target.clone());
         }
         let (Some(target), Some(text)) = (done.target, done.text) else {
             self.failed = true;
@@ -180,14 +180,20 @@ impl Tally {
     }
 
     /// Locks in the directory that are no shader's, where all shaders of the tree were seen.
-    fn orphans(&mut self, args: &LockArgs, style: FindingStyle, streams: &Streams) {
-        // A part of the tree says nothing about the locks of the rest.
-        if args.root.is_some() || self.failed || !args.files.iter().all(|path| path.is_dir()) {
+    fn orphans(&mut self, job: &Job<'_>, searched: &[String], streams: &Streams) {
+        if self.failed {
             return;
         }
+        let (args, style) = (job.args, job.style);
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
-        for path in locks_below(&args.locks) {
-            if self.targets.contains_key(&path) {
+        for path in locks_below(&job.locks) {
+            let below = path.strip_prefix(&job.locks).map(slashes).unwrap_or_default();
+            // A part of the tree says nothing about the locks of the rest.
+            let is_searched = searched.iter().any(|folder| {
+                let rest = below.strip_prefix(folder.as_str());
+                folder.is_empty() || rest.is_some_and(|rest| rest.starts_with('/'))
+            });
+            if !is_searched || self.targets.contains(&path) {
                 continue;
             }
             let shown = path.display().to_string();

@@ -13,10 +13,11 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Err(error.into());
     }
     let mut whole = shard::together(&args.reports)?;
-    let (basis, options) = (&whole.basis, whole.basis.options());
+    whole.basis.read_rust_files()?;
+    let basis = &whole.basis;
     let root = Root::new(Path::new(&basis.root))?;
     // Shaders come without their findings, which come by themselves.
-    let over_all = tree::findings(&mut whole.pass, basis, &options, &root, &mut None);
+    let over_all = tree::findings(&mut whole.pass, basis, &root, &mut None, &[]);
     let findings = tree::sorted(over_all.into_iter().chain(whole.findings).collect());
     let texts = reports::Texts::new(HashMap::new());
     let result = reports::Result {

@@ -33,6 +33,11 @@ pub fn stdin_path(args: &ReadArgs) -> PathBuf {
     args.text.stdin_filename.clone().unwrap_or_else(|| PathBuf::from("<stdin>"))
 }
 
+/// A shader by the name it goes by.
+pub fn named(path: &Path, args: &ReadArgs) -> PathBuf {
+    if is_stdin(path) { stdin_path(args) } else { path.to_path_buf() }
+}
+
 /// Reads one shader.
 pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     let mut source = if is_stdin(path) {

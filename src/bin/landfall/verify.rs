@@ -12,14 +12,18 @@ use landfall::source::Files;
 use landfall::{BlockLayout, Diagnostic, Error};
 
 use crate::args::{VerifyArgs, VerifyFormat};
+use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::read;
 use crate::readers::{self, Readers};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let Some(config) = config::load(&args.config, &args.files, streams)? else {
+        return Ok(Outcome::CouldNot);
+    };
     let options = VerifyOptions {
-        layout: read::options(&args.read),
+        layout: config.options(&args.read.text, &args.read.defines),
         given: args.layout.as_deref().map(given).transpose()?,
         stages: args.stages.clone(),
         naga: args.naga,
@@ -34,6 +38,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let mut run = Run {
         args,
+        config: &config,
         options,
         style: streams.style(form),
         streams,
@@ -89,6 +94,7 @@ fn required(args: &VerifyArgs, readers: &Readers) -> Result<(), Error> {
 
 struct Run<'a> {
     args: &'a VerifyArgs,
+    config: &'a Config,
     options: VerifyOptions,
     style: FindingStyle,
     streams: &'a Streams,
@@ -145,7 +151,8 @@ impl Run<'_> {
         report: &ShaderReport,
         attendance: &[Attendance],
     ) -> Result<(), Failure> {
-        let path = lock::path_of(&self.args.locks, &input.relative);
+        let locks = self.config.locks(self.args.locks.as_deref());
+        let path = self.config.lock_of(&locks, &read::named(&input.path, &self.args.read))?;
         let text = read::text(&path).map_err(|error| {
             error.with_help("`landfall lock` writes it; then `verify --record` can add to it")
         })?;

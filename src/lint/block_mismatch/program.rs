@@ -1,6 +1,6 @@
 //! Which shaders are stages of one program, as far as their names tell.
 
-use crate::lint::Subject;
+use crate::ShaderLayout;
 use crate::source::{Language, Stage};
 
 /// What the stages of one program have in common.
@@ -21,11 +21,11 @@ enum Pipeline {
 
 /// The program a shader is a stage of: its directory, and its name without the stage.
 /// WGSL modules hold all stages themselves, and a text that says no stage may be anyone's.
-pub(super) fn program(subject: &Subject<'_>) -> Option<Program> {
-    if subject.shader.language != Language::Glsl {
+pub(super) fn program(shader: &ShaderLayout) -> Option<Program> {
+    if shader.language != Language::Glsl {
         return None;
     }
-    let pipeline = match subject.shader.stage? {
+    let pipeline = match shader.stage? {
         Stage::Vertex
         | Stage::TessellationControl
         | Stage::TessellationEvaluation
@@ -41,7 +41,7 @@ pub(super) fn program(subject: &Subject<'_>) -> Option<Program> {
         | Stage::Miss
         | Stage::Callable => Pipeline::RayTracing,
     };
-    let path = subject.source.path.replace('\\', "/");
+    let path = shader.path.replace('\\', "/");
     let (directory, file) = path.rsplit_once('/').unwrap_or(("", &path));
     Some(Program { directory: directory.to_string(), name: stem(file), pipeline })
 }

@@ -1,11 +1,9 @@
 //! The blocks, or structures in them, that a mirror is a copy of.
 
-use globset::GlobBuilder;
-
 use crate::layout::measure::{element_size, fixed};
 use crate::layout::{BlockLayout, MemberLayout};
-use crate::lint::Subject;
 use crate::lint::settings::RustMirror;
+use crate::lint::{Subject, glob};
 use crate::shape::Type;
 use crate::source::Span;
 
@@ -29,7 +27,8 @@ pub(super) fn targets<'s, 'a>(
     mirror: &RustMirror,
 ) -> (Vec<Target<'s, 'a>>, usize) {
     let (mut found, mut shaders) = (Vec::new(), 0);
-    for subject in subjects.iter().filter(|subject| is_named(&subject.shader.path, &mirror.shader))
+    for subject in
+        subjects.iter().filter(|subject| glob::matches(&mirror.shader, &subject.shader.path))
     {
         shaders += 1;
         for block in subject.shader.blocks.iter().filter(|block| block.size.is_some()) {
@@ -42,17 +41,6 @@ pub(super) fn targets<'s, 'a>(
         }
     }
     (found, shaders)
-}
-
-/// Whether a shader is the one named: by its path, the end of it, or a glob.
-fn is_named(path: &str, glob: &str) -> bool {
-    let glob = glob.trim_start_matches("./");
-    if glob.is_empty() || path == glob || path.strip_suffix(glob).is_some_and(|p| p.ends_with('/'))
-    {
-        return true;
-    }
-    let glob = GlobBuilder::new(glob).literal_separator(true).build();
-    glob.is_ok_and(|glob| glob.compile_matcher().is_match(path.trim_start_matches("./")))
 }
 
 fn of_block<'s, 'a>(subject: &'s Subject<'a>, block: &'s BlockLayout) -> Target<'s, 'a> {

@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashSet;
+
 use super::declarations::{Declarator, Dim, Named, Reader};
 use super::lexer::{Kind, Token};
 use super::qualifiers::Qualifiers;
@@ -39,6 +41,8 @@ pub(super) struct Members {
     pub opaque: Vec<Arc<str>>,
     /// What is wrong with them.
     pub problems: Vec<Diagnostic>,
+    /// Their names.
+    taken: FxHashSet<Arc<str>>,
 }
 
 /// What members may be here.
@@ -173,7 +177,7 @@ impl<'a> Reader<'a> {
         let resolved = self.resolve(&ty, owner, &mut result.problems);
         let last = declarators.len().wrapping_sub(1);
         for (index, Declarator { name, dims, .. }) in declarators.iter().enumerate() {
-            if result.members.iter().any(|m| *m.name == *name.text) {
+            if result.taken.contains(name.text) {
                 let message = format!("`{}` has two members named `{}`", owner.text, name.text);
                 result.problems.push(self.diagnostic(name, "duplicate-name", message));
                 continue;
@@ -198,6 +202,7 @@ impl<'a> Reader<'a> {
             match self.build_member(name, data, dims, &type_dims, &qualifiers, runtime) {
                 Ok(mut member) => {
                     member.comment = comment.clone();
+                    result.taken.insert(Arc::clone(&member.name));
                     result.members.push(member);
                 }
                 Err(diagnostic) => result.problems.push(diagnostic),

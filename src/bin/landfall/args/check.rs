@@ -27,6 +27,9 @@ pub struct CheckArgs {
     /// Write the locks of shaders that have drifted from them, and those that are missing
     #[arg(long)]
     pub accept: bool,
+    /// Report what a JSON report of `landfall verify` saw read from other bytes, at its members
+    #[arg(long, value_name = "REPORT", conflicts_with = "shard")]
+    pub verified: Vec<PathBuf>,
     /// Where locks are [default: `locks` of the configuration, or layouts]
     #[arg(long, value_name = "DIR")]
     pub locks: Option<PathBuf>,

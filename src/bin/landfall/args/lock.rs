@@ -4,19 +4,17 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::ReadArgs;
+use super::{ConfigArgs, ReadArgs};
 
 #[derive(Debug, clap::Args)]
 pub struct LockArgs {
-    /// Files, directories and globs; a directory's locks are the same tree below --locks
-    #[arg(value_name = "PATH", default_value = ".")]
-    pub files: Vec<PathBuf>,
-    /// Directory of the locks
-    #[arg(long, value_name = "DIR", default_value = "layouts")]
-    pub locks: PathBuf,
-    /// The directory whose tree the locks mirror, where PATH is only a part of it
+    /// Files, directories and globs [default: `paths` of the configuration, or .]
+    #[arg(value_name = "PATH")]
+    pub paths: Vec<PathBuf>,
+    /// Directory of the locks, which are the same tree as the shaders from the configuration's
+    /// folder [default: `locks` of the configuration, or layouts]
     #[arg(long, value_name = "DIR")]
-    pub root: Option<PathBuf>,
+    pub locks: Option<PathBuf>,
     /// Write nothing; exit with 1 if a lock would change
     #[arg(long)]
     pub check: bool,
@@ -26,6 +24,8 @@ pub struct LockArgs {
     /// Files laid out at a time [default: one a core]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
+    #[command(flatten)]
+    pub config: ConfigArgs,
     #[command(flatten)]
     pub read: ReadArgs,
 }
@@ -52,6 +52,8 @@ pub struct DiffArgs {
     /// Columns of the human form [default: the terminal's, 100 without one]
     #[arg(long, value_name = "N")]
     pub width: Option<usize>,
+    #[command(flatten)]
+    pub config: ConfigArgs,
     #[command(flatten)]
     pub read: ReadArgs,
 }

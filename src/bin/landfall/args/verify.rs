@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 use landfall::Stage;
 
-use super::{ReadArgs, stage};
+use super::{ConfigArgs, ReadArgs, stage};
 
 #[derive(Debug, clap::Args)]
 pub struct VerifyArgs {
@@ -40,12 +40,15 @@ pub struct VerifyArgs {
     /// Note in the locks who confirmed them
     #[arg(long)]
     pub record: bool,
-    /// Directory of the locks that --record writes to
-    #[arg(long, value_name = "DIR", default_value = "layouts")]
-    pub locks: PathBuf,
+    /// Directory of the locks that --record writes to [default: `locks` of the configuration, or
+    /// layouts]
+    #[arg(long, value_name = "DIR")]
+    pub locks: Option<PathBuf>,
     /// Seconds after which a reader has failed at a probe
     #[arg(long, value_name = "SECONDS", default_value = "20", value_parser = seconds)]
     pub limit: Duration,
+    #[command(flatten)]
+    pub config: ConfigArgs,
     #[command(flatten)]
     pub read: ReadArgs,
 }

@@ -5,8 +5,9 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall::lint::{Settings, digest};
-use landfall::{Language, Options, ReadOptions, Rules, Source, Stage, Target};
+use landfall::lint::settings::RustFile;
+use landfall::lint::{Level, Settings, digest, naga_disagrees, run};
+use landfall::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +30,8 @@ pub struct Basis {
     stage: Option<String>,
     language: Option<String>,
     pub settings: Settings,
+    /// Rust files with mirrors, and the hashes of their texts.
+    rust_files: Vec<(String, u64)>,
 }
 
 /// What is checked, and where.
@@ -49,6 +52,9 @@ impl Basis {
         settings: Settings,
     ) -> Basis {
         let dirs = options.read.include_dirs.iter();
+        let rust_files = settings.rust_files.iter();
+        let rust_files =
+            rust_files.map(|file| (file.path.clone(), digest::fnv(file.text.as_bytes()))).collect();
         Basis {
             version: env!("CARGO_PKG_VERSION").to_string(),
             root: scope.root,
@@ -67,10 +73,43 @@ impl Basis {
             stage: stage.map(|stage| stage.name().to_string()),
             language: language.map(|language| language.name().to_string()),
             settings,
+            rust_files,
         }
     }
 
-    /// How shaders are laid out; naga is asked, for lints look at what it says.
+    /// A text that is another when lints over all shaders may find something else.
+    pub fn over_all(&self) -> String {
+        format!("{:?}", self.rust_files)
+    }
+
+    /// The Rust files read again, as a report of a shard names them.
+    ///
+    /// # Errors
+    /// One is not the file that was checked.
+    pub fn read_rust_files(&mut self) -> Result<(), Error> {
+        for (path, hash) in &self.rust_files {
+            let text = crate::read::text(Path::new(path))?;
+            if digest::fnv(text.as_bytes()) != *hash {
+                return Err(Error::new(path, "is not the file that was checked")
+                    .with_help("merge in a checkout of the commit that the shards checked"));
+            }
+            self.settings.rust_files.push(RustFile { path: path.clone(), text: text.into() });
+        }
+        Ok(())
+    }
+
+    /// Whether anybody asks about mirrors in Rust files.
+    pub fn wants_rust(settings: &Settings) -> bool {
+        let asked = |code| run::level(code, settings) > Level::Allow;
+        asked("rust-mirror") || asked("rust-mirror-unknown")
+    }
+
+    /// How shaders of a language are laid out; naga is asked where a lint looks at what it says.
+    pub fn options_for(&self, language: Language) -> Options {
+        Options { naga: naga_disagrees::wanted(language, &self.settings), ..self.options() }
+    }
+
+    /// How shaders are laid out.
     pub fn options(&self) -> Options {
         Options {
             read: ReadOptions {
@@ -84,7 +123,7 @@ impl Basis {
             },
             rules: self.rules.as_deref().and_then(Rules::from_name),
             gather: self.gather,
-            naga: true,
+            naga: false,
         }
     }
 
@@ -111,7 +150,7 @@ impl Basis {
     /// A number that is another when anything is that findings of one shader depend on.
     pub fn fingerprint(&self) -> u64 {
         // What else is checked changes nothing about one shader.
-        let alone = Basis { searched: Vec::new(), whole: false, ..self.clone() };
+        let alone = Basis { searched: vec![], whole: false, rust_files: vec![], ..self.clone() };
         digest::fnv(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
     }
 }

@@ -9,10 +9,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use landfall::Error;
+use landfall::emit::Paint;
+use landfall::emit::unified::diff;
 use landfall::file::write_whole;
 use landfall::lint::Finding;
 use landfall::lint::fix::{Fixed, apply};
-use similar::TextDiff;
 
 use super::pass::{Pass, Run};
 use super::reports::{Texts, counted};
@@ -43,7 +44,7 @@ pub fn fix(
     let mut mended = Mended::default();
     let mut refused: HashSet<String> = HashSet::new();
     for _ in 0..MOST_ROUNDS {
-        let mut findings = tree::findings(&mut pass, run.basis, &run.options, run.root, remembered);
+        let mut findings = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
         findings.retain(|f| f.fix.iter().all(|edit| !refused.contains(&edit.place.path)));
         let texts = Texts::new(HashMap::new());
         let fixed = changed(apply(&findings, &|path| texts.of(path)));
@@ -99,7 +100,7 @@ pub fn preview(
     let mut before: HashMap<String, Arc<str>> = HashMap::new();
     let mut after: HashMap<String, String> = HashMap::new();
     for _ in 0..MOST_ROUNDS {
-        let mut findings = tree::findings(&mut pass, run.basis, &run.options, run.root, remembered);
+        let mut findings = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
         let inputs: HashSet<&str> = pass.checked.iter().map(|c| c.path.as_str()).collect();
         // An include is read from disk, where it is not mended: its places hold for one round.
         findings.retain(|f: &Finding| {
@@ -129,11 +130,7 @@ pub fn preview(
 
 /// Files as a patch.
 pub fn patch(files: &[(String, Arc<str>, String)]) -> String {
-    let one = |(path, old, new): &(String, Arc<str>, String)| {
-        let diff = TextDiff::from_lines(&**old, new.as_str());
-        diff.unified_diff().header(path, path).to_string()
-    };
-    files.iter().map(one).collect()
+    files.iter().map(|(path, old, new)| diff(path, old, new, Paint::Plain)).collect()
 }
 
 /// `2 edits in 1 file`.

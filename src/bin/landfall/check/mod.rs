@@ -9,8 +9,10 @@ mod mend;
 mod one;
 mod pass;
 pub mod reports;
+mod rust;
 pub mod shard;
 pub mod tree;
+mod verified;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -31,9 +33,6 @@ use pass::{Pass, Run};
 pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check \
                             can tell when one changes\n";
 
-/// Where locks are unless somebody says otherwise.
-const LOCKS: &str = "layouts";
-
 pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     refuse(args)?;
     let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
@@ -43,19 +42,26 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config.exclude.add(pattern).map_err(|cause| config::bad_glob(pattern, &cause))?;
     }
     config.exclude.ready();
-    let settings = match config.settings(&args.levels.levels, &args.text.targets) {
+    let mut settings = match config.settings(&args.levels.levels, &args.text.targets) {
         Ok(settings) => settings,
         Err(found) => return Ok(could_not(found, streams)),
     };
     let options = config.options(&args.text, &args.levels.defines);
-    let paths = paths(args, &config);
+    let paths = config.paths(&args.paths);
+    if Basis::wants_rust(&settings) {
+        match rust::files(&config, &settings, &args.paths) {
+            Ok(files) => settings.rust_files = files,
+            Err(error) => {
+                return Ok(could_not(Diagnostic { code: "bad-rust", ..error.into() }, streams));
+            }
+        }
+    }
     let scope = scope(args, &config, &paths);
     let language = args.text.language.map(|language| language.language());
     let basis = Basis::new(scope, &options, args.text.stage, language, settings);
     let (paths, stdin) = stdin(paths, args)?;
     let run = Run {
         basis: &basis,
-        options: basis.options(),
         root: &config.root,
         paths,
         exclude: &config.exclude,
@@ -89,7 +95,10 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let findings = match args.shard {
         // Lints over all shaders have to wait for the others.
         Some(_) => tree::sorted(tree::alone(&pass)),
-        None => tree::findings(&mut pass, &basis, &run.options, &config.root, &mut cache.tree),
+        None => {
+            let seen = verified::findings(&args.verified, &pass, &basis, &config.root)?;
+            tree::findings(&mut pass, &basis, &config.root, &mut cache.tree, &seen)
+        }
     };
     let is_new = pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key) != before;
     if folder.is_some() && is_new {
@@ -147,19 +156,11 @@ fn could_not(found: Diagnostic, streams: &Streams) -> Outcome {
     Outcome::CouldNot
 }
 
-/// What is checked: what was named, what the configuration says, or all there is.
-fn paths(args: &CheckArgs, config: &Config) -> Vec<PathBuf> {
-    match (args.paths.is_empty(), config.paths.is_empty()) {
-        (false, _) => args.paths.clone(),
-        (true, false) => config.paths.clone(),
-        (true, true) => vec![config.root.path("")],
-    }
-}
-
 fn scope(args: &CheckArgs, config: &Config, paths: &[PathBuf]) -> Scope {
-    let said = args.locks.clone().or_else(|| config.locks.clone());
-    let usual = config.root.path(LOCKS);
-    let locks = said.or_else(|| usual.is_dir().then_some(usual));
+    let named = args.locks.as_deref();
+    let usual = config.locks(named);
+    // Nobody has to lock anything; who says where locks are means to.
+    let locks = config.said_locks(named).or_else(|| usual.is_dir().then_some(usual));
     let searched = paths.iter().filter(|path| path.is_dir());
     Scope {
         root: slashes(&config.root.shown),

@@ -9,8 +9,9 @@ use std::sync::{Mutex, PoisonError};
 use landfall::lint::allow::{Allow, allows, suppress};
 use landfall::lint::digest::{BlockDigest, digest, fnv};
 use landfall::lint::{Finding, Level, Place, Subject, run};
+use landfall::lock::Lock;
 use landfall::source::{self, Files};
-use landfall::{Diagnostic, Error, Options, Severity, ShaderLayout, Source, lock};
+use landfall::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
@@ -52,7 +53,8 @@ pub struct Checked {
 /// What is the same for all shaders of a pass.
 pub struct Job<'a> {
     pub basis: &'a Basis,
-    pub options: &'a Options,
+    /// How texts are laid out: those of GLSL, those of WGSL.
+    pub options: [Options; 2],
     pub root: &'a Root,
     /// What is known from before, by path.
     pub known: &'a HashMap<String, Checked>,
@@ -197,7 +199,11 @@ impl Job<'_> {
     }
 
     fn look(&self, source: Source, hash: u64, lock: Option<LockFile>) -> Fresh {
-        let shader = landfall::layout(&source, self.options);
+        let options = match source.language {
+            Language::Glsl => &self.options[0],
+            Language::Wgsl => &self.options[1],
+        };
+        let shader = landfall::layout(&source, options);
         let settings = &self.basis.settings;
         let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
             shader.diagnostics.iter().partition(|d| d.severity == Severity::Error);
@@ -208,15 +214,15 @@ impl Job<'_> {
         let mut lock_hash = None;
         let mut allowed = allows(&shader.files, shader.language);
         if errors.is_empty() {
-            let subject = Subject { source: &source, options: self.options, shader: &shader };
+            let subject = Subject { source: &source, options, shader: &shader };
             if let Some(LockFile { path, bytes }) = lock {
                 match bytes.and_then(|bytes| drift(&shader, &path, bytes)) {
-                    Ok((hash, drifted)) => {
+                    Ok((hash, old, drifted)) => {
                         let mut drifted = run::at_levels(drifted, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
                         if self.accept && drifted.iter().any(is_drift) {
-                            let text = lock::write(&shader);
+                            let text = lock::renew(&shader, old.as_ref());
                             lock_hash = Some(fnv(text.as_bytes()));
                             new_lock = Some((path, text));
                         } else {
@@ -294,18 +300,22 @@ fn is_drift(finding: &Finding) -> bool {
     finding.code == "layout-drift" || finding.code == "lock-missing"
 }
 
-/// What has drifted from a lock, and the hash of its bytes.
+/// What has drifted from a lock, the lock, and the hash of its bytes. One that cannot be read, a
+/// newer landfall's among them, is an error, so that nothing is written over it.
 fn drift(
     shader: &ShaderLayout,
     path: &Path,
     bytes: Option<Vec<u8>>,
-) -> Result<(Option<u64>, Vec<Finding>), Error> {
+) -> Result<(Option<u64>, Option<Lock>, Vec<Finding>), Error> {
     let shown = crate::config::slashes(path);
-    let Some(bytes) = bytes else { return Ok((None, lock::drift(shader, &shown, None))) };
+    let Some(bytes) = bytes else {
+        return Ok((None, None, lock::drift(shader, &shown, None)));
+    };
     let hash = fnv(&bytes);
     let text = source::decode(&shown, bytes)?;
     let lock = lock::read(&shown, &text)?;
-    Ok((Some(hash), lock::drift(shader, &shown, Some(&lock))))
+    let found = lock::drift(shader, &shown, Some(&lock));
+    Ok((Some(hash), Some(lock), found))
 }
 
 fn read(path: &Path, shown: &str) -> Result<Vec<u8>, Error> {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use landfall::file::write_whole;
 use landfall::lint::{Finding, digest};
-use landfall::{Error, Options, ShaderLayout, Source};
+use landfall::{Error, Language, ShaderLayout, Source};
 
 use super::basis::Basis;
 use super::one::{Checked, Done, Job, of_diagnostic};
@@ -27,7 +27,6 @@ const PROGRESS: Duration = Duration::from_millis(500);
 /// What is the same for all passes of a check.
 pub struct Run<'a> {
     pub basis: &'a Basis,
-    pub options: Options,
     pub root: &'a Root,
     pub paths: Vec<PathBuf>,
     pub exclude: &'a Exclude,
@@ -72,7 +71,7 @@ impl Run<'_> {
         let mut since = streams.shows_progress().then(Instant::now);
         let job = Job {
             basis: self.basis,
-            options: &self.options,
+            options: [Language::Glsl, Language::Wgsl].map(|l| self.basis.options_for(l)),
             root: self.root,
             known: &known,
             texts: &all,

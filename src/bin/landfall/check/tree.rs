@@ -24,24 +24,27 @@ pub struct Remembered {
 }
 
 /// All findings of a run in their final order; `remembered` is brought up to date.
+///
+/// `elsewhere` is what reports of `verify` say.
 pub fn findings(
     pass: &mut Pass,
     basis: &Basis,
-    options: &Options,
     root: &Root,
     remembered: &mut Option<Remembered>,
+    elsewhere: &[Finding],
 ) -> Vec<Finding> {
     let key = key(pass, basis);
     let over_all = match remembered {
         Some(remembered) if remembered.key == key => remembered.findings.clone(),
         _ => {
-            let findings = ask(pass, basis, options);
+            let findings = ask(pass, basis, &basis.options());
             *remembered = Some(Remembered { key, findings: findings.clone() });
             findings
         }
     };
     let mut more = over_all;
     more.extend(run::at_levels(orphans(basis, root), &basis.settings));
+    more.extend(run::at_levels(elsewhere.to_vec(), &basis.settings));
     let mut allows: Vec<Allow> =
         pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
     suppress(&mut more, &mut allows);
@@ -63,7 +66,8 @@ pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
         (&place.path, place.line, place.column, &f.code, &f.about, &f.message, place.end)
     }
     findings.sort_by(|a, b| order(a).cmp(&order(b)));
-    findings.dedup();
+    // What stands in an include comes from every shader, with the names of its own blocks.
+    findings.dedup_by(|a, b| a == b || a.place.line > 0 && order(a) == order(b));
     findings
 }
 
@@ -82,15 +86,15 @@ fn key(pass: &Pass, basis: &Basis) -> u64 {
             add(&format!("{include} {hash:x}"));
         }
     }
-    for mirror in &basis.settings.rust_mirrors {
-        add(&format!("{} {:x?}", mirror.file, fs::read(&mirror.file).ok().map(|b| fnv(&b))));
-    }
+    add(&basis.over_all());
     fnv(text.as_bytes())
 }
 
 /// Asks lints that look at all shaders, about those they may have something to say about.
 fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
-    let blocks: Vec<&[BlockDigest]> = pass.checked.iter().map(|c| c.blocks.as_slice()).collect();
+    let checked = pass.checked.iter();
+    let blocks: Vec<(&str, &[BlockDigest])> =
+        checked.map(|c| (c.path.as_str(), c.blocks.as_slice())).collect();
     let numbers = concerned(&blocks, &basis.settings);
     let mut subjects: Vec<(Source, ShaderLayout)> = Vec::with_capacity(numbers.len());
     for number in numbers {

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
 use landfall::lint::settings::Target as Limits;
 use landfall::lint::{LINTS, Settings, lint, nearest};
-use landfall::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target};
+use landfall::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
 
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
@@ -23,6 +23,9 @@ use crate::read;
 use toml::{Document, Keys, Text};
 
 pub use root::{Root, slashes};
+
+/// Where locks are unless somebody says otherwise.
+const LOCKS: &str = "layouts";
 
 const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl];
 
@@ -148,6 +151,42 @@ fn exclude(keys: &Keys<'_>) -> Exclude {
 }
 
 impl Config {
+    /// What a run is about: what was named, what the configuration says, or all there is.
+    pub fn paths(&self, named: &[PathBuf]) -> Vec<PathBuf> {
+        match (named, self.paths.as_slice()) {
+            ([], []) => vec![self.root.path("")],
+            ([], said) => said.to_vec(),
+            (named, _) => named.to_vec(),
+        }
+    }
+
+    /// Where locks are, if somebody says so.
+    pub fn said_locks(&self, named: Option<&Path>) -> Option<PathBuf> {
+        named.map(Path::to_path_buf).or_else(|| self.locks.clone())
+    }
+
+    /// Where locks are.
+    pub fn locks(&self, named: Option<&Path>) -> PathBuf {
+        self.said_locks(named).unwrap_or_else(|| self.root.path(LOCKS))
+    }
+
+    /// The lock of a shader: `lock` and `verify --record` write it where `check` looks.
+    ///
+    /// # Errors
+    /// The shader is not below the configuration's folder.
+    pub fn lock_of(&self, locks: &Path, shader: &Path) -> Result<PathBuf, Error> {
+        match self.root.below(shader) {
+            Some(below) => Ok(lock::path_of(locks, Path::new(&below))),
+            None => {
+                let root = slashes(&self.root.shown);
+                let folder = if root.is_empty() { "the current folder" } else { root.as_str() };
+                let message = format!("is not below {folder}, so that its lock has no place");
+                let help = "run it in a folder above the shader, or put a `landfall.toml` there";
+                Err(Error::new(shader.display().to_string(), message).with_help(help))
+            }
+        }
+    }
+
     /// How shaders are laid out: as the configuration says, but what flags say holds.
     pub fn options(&self, args: &TextArgs, defines: &[(String, String)]) -> Options {
         let over = |ours: &[(String, String)], theirs: &[(String, String)]| {

@@ -66,6 +66,12 @@ impl Tree {
         text.replace(&format!("{root}{}", std::path::MAIN_SEPARATOR), &rev).replace(&root, &rev)
     }
 
+    /// Where a file that was taken out is in the work tree.
+    pub fn in_work_tree(&self, path: &Path) -> PathBuf {
+        path.strip_prefix(&self.root)
+            .map_or_else(|_| path.to_path_buf(), |in_it| self.top.join(in_it))
+    }
+
     /// A directory of the work tree as it was; one outside the repository as it is.
     pub fn directory(&self, dir: &Path) -> PathBuf {
         let real = fs::canonicalize(dir).unwrap_or_else(|_| {

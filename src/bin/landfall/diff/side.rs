@@ -7,6 +7,7 @@ use landfall::{Error, Options, ShaderLayout, lock};
 
 use super::git;
 use crate::args::ReadArgs;
+use crate::config::{Config, slashes};
 use crate::inputs::Inputs;
 use crate::lock::locks_below;
 use crate::output::{FindingStyle, Streams};
@@ -27,6 +28,8 @@ pub struct Side {
 pub struct Entry {
     /// Its path in its directory.
     pub key: String,
+    /// The shader's path from the configuration's folder, where that can be told.
+    pub shader: Option<String>,
     pub layout: ShaderLayout,
     /// The lock, and where it is in the work tree.
     pub lock: Option<(Option<PathBuf>, lock::Lock)>,
@@ -35,6 +38,9 @@ pub struct Entry {
 /// How one side is read.
 pub struct Reading<'a> {
     pub args: &'a ReadArgs,
+    pub config: &'a Config,
+    /// As the configuration and the flags say.
+    pub options: Options,
     pub streams: &'a Streams,
     pub style: FindingStyle,
 }
@@ -69,7 +75,7 @@ impl Reading<'_> {
     fn here(&self, path: &Path, tree: Option<&git::Tree>) -> Result<Side, Error> {
         let mut side = Side { entries: vec![], single: true, locks: None, failed: false };
         if path.extension().is_some_and(|e| e == "json") && !path.is_dir() {
-            let locks = self.locks(path, "")?;
+            let locks = self.locks(path, "", tree)?;
             side.single = locks.len() == 1;
             side.entries = locks;
             return Ok(side);
@@ -102,7 +108,8 @@ impl Reading<'_> {
         }
         for file in locks {
             let relative = file.strip_prefix(path).unwrap_or(&file).with_extension("");
-            side.entries.extend(self.locks(&file, &relative.to_string_lossy().replace('\\', "/"))?);
+            let key = relative.to_string_lossy().replace('\\', "/");
+            side.entries.extend(self.locks(&file, &key, tree)?);
         }
         side.locks = Some(path.to_path_buf());
         Ok(side)
@@ -117,7 +124,7 @@ impl Reading<'_> {
         failed: &mut bool,
     ) -> Result<Option<Entry>, Error> {
         let source = read::source(path, self.args)?;
-        let mut options: Options = read::options(self.args);
+        let mut options = self.options.clone();
         if let Some(tree) = tree {
             let dirs = &mut options.read.include_dirs;
             *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
@@ -129,11 +136,17 @@ impl Reading<'_> {
             *failed = true;
             return Ok(None);
         }
-        Ok(Some(Entry { key, layout, lock: None }))
+        let path = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
+        Ok(Some(Entry { key, shader: self.config.root.below(&path), layout, lock: None }))
     }
 
     /// The lock of a file, or each shader of an output of `layout`.
-    fn locks(&self, path: &Path, key: &str) -> Result<Vec<Entry>, Error> {
+    fn locks(&self, path: &Path, key: &str, tree: Option<&git::Tree>) -> Result<Vec<Entry>, Error> {
+        let real = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
+        let shader = self.config.root.below(&real.with_extension("")).map(PathBuf::from);
+        let locks = self.config.root.below(&self.config.locks(None));
+        let shader = shader.zip(locks);
+        let shader = shader.and_then(|(path, locks)| path.strip_prefix(locks).ok().map(slashes));
         let text = read::text(path)?;
         let locks = lock::read_all(&read::shown(path), &text)?;
         let alone = locks.len() == 1;
@@ -142,6 +155,8 @@ impl Reading<'_> {
                 (Some(shader), false) => shader.clone(),
                 (Some(_) | None, _) => key.to_string(),
             },
+            // A directory of locks that nobody has named holds the tree from the root, too.
+            shader: shader.clone().or_else(|| (!key.is_empty()).then(|| key.to_string())),
             layout: ShaderLayout { path: path.display().to_string(), ..lock.layout() },
             // Only a lock proper is renewed.
             lock: lock.shader.is_none().then(|| (Some(path.to_path_buf()), lock)),
