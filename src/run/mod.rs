@@ -5,6 +5,9 @@
 //! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`; `remote`
 //! runs a driver in a process of its own.
 
+pub mod bound;
+pub mod call;
+pub mod coverage;
 pub mod devices;
 pub mod eval;
 #[cfg(feature = "gl")]

@@ -2,9 +2,9 @@
 //!
 //! Made by [`compile`](super::compile), run by [`machine`](super::machine).
 
-use super::code::{Access, Inst, Op, Origin, Reg, Values};
+use super::code::{Access, Class, Inst, Op, Origin, Reg, Values};
 use super::counts::Price;
-use super::interface::Interface;
+use super::interface::{Interface, Port};
 use super::value::ValueType;
 use crate::source::Files;
 
@@ -119,9 +119,30 @@ impl Program {
         plain.filter_map(signature).collect()
     }
 
+    /// What a function of the module takes and gives, by its number there.
+    ///
+    /// # Errors
+    /// What it uses that is not supported; a parameter that has no plain value.
+    pub(crate) fn signature(&self, function: usize) -> Result<FunctionSignature, String> {
+        let function = &self.functions[function];
+        function.state.clone()?;
+        let opaque = function.arguments.iter().find(|argument| argument.ty.is_none());
+        let name = opaque.map_or("", |argument| argument.name.as_str());
+        signature(function).ok_or_else(|| format!("`{name}`, which is no plain value"))
+    }
+
     /// Names of its entry points.
     pub fn entry_points(&self) -> impl Iterator<Item = &str> {
         self.functions.iter().filter(|f| f.interface.is_some()).map(|f| f.name.as_str())
+    }
+
+    /// The inputs of an entry point, each scalar a float or not.
+    pub(crate) fn inputs(&self, entry: &str) -> Vec<(Port, Vec<bool>)> {
+        let found = self.functions.iter().find(|f| f.name == entry && f.interface.is_some());
+        let interface = found.and_then(|function| function.interface.as_ref());
+        let plugs = interface.map_or(&[][..], |interface| &interface.inputs);
+        let floats = |regs: &[Reg]| regs.iter().map(|reg| reg.class() == Class::Real).collect();
+        plugs.iter().map(|plug| (plug.port, floats(&plug.regs))).collect()
     }
 
     pub(super) fn uses(&self, function: u32) -> Uses {

@@ -24,7 +24,7 @@ mod operators;
 mod parse;
 mod place;
 mod predeclared;
-mod reach;
+pub(super) mod reach;
 mod statement;
 mod texture;
 mod types;

@@ -9,7 +9,7 @@ use crate::shape::AddressSpace;
 use crate::source::{Files, Language};
 
 /// What may be done to a block's members.
-pub(super) fn of(block: &BlockLayout, files: &Files, language: Language) -> Access {
+pub(in crate::run) fn of(block: &BlockLayout, files: &Files, language: Language) -> Access {
     if block.space != AddressSpace::Storage {
         return Access { read: true, write: false };
     }
