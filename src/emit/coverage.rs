@@ -18,13 +18,13 @@ const MOST_RANGES: usize = 4;
 pub fn block(coverage: &BlockCoverage, paint: Paint) -> String {
     let mut text = String::new();
     let BlockCoverage { bytes, read, never, leaves, failures, .. } = coverage;
-    let mut total = format!("{} of {} read", words::number(*read), words::bytes(*bytes),);
+    let mut total = format!("{read} of {bytes} bytes read");
     if *never > 0 {
-        let _ = write!(total, ", {} certain to be never read", words::number(*never));
+        let _ = write!(total, ", {} certain to be never read", never);
     }
     let _ = writeln!(text, "    {total}");
     let paths = leaves.iter().map(|leaf| leaf.path.width()).max().unwrap_or(0);
-    let sizes: Vec<String> = leaves.iter().map(|leaf| words::number(leaf.bytes)).collect();
+    let sizes: Vec<String> = leaves.iter().map(|leaf| leaf.bytes.to_string()).collect();
     let digits = sizes.iter().map(|size| size.width()).max().unwrap_or(0);
     for (leaf, size) in leaves.iter().zip(&sizes) {
         let (style, said) = verdict(leaf);

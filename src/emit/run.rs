@@ -70,12 +70,15 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
 
 fn push(rows: &mut Vec<Row>, name: &str, given: &Given) {
     for scalar in &given.scalars {
-        let double =
-            |double: f64| Datum { scalar: Scalar::F64, bits: double.to_bits() }.to_string();
+        let shown = |datum: Datum| match datum.is_nan() {
+            true => "nan".to_string(),
+            false => datum.to_string(),
+        };
+        let double = |double: f64| shown(Datum { scalar: Scalar::F64, bits: double.to_bits() });
         let apart = scalar.double.is_some() && scalar.ulp.is_none();
         rows.push(Row {
             name: format!("{name}{}", scalar.path),
-            value: scalar.value.to_string(),
+            value: shown(scalar.value),
             double: scalar.double.map(double).unwrap_or_default(),
             ulp: match scalar.ulp {
                 Some(ulp) if ulp < 1000.0 => format!("{ulp:.2}"),

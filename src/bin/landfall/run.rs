@@ -1,9 +1,9 @@
 //! `landfall run`: one function called, its results in f32 beside f64.
 
-use landfall::Error;
 use landfall::emit::run as print;
 use landfall::run::call::{Request, call};
 use landfall::source::Files;
+use landfall::{Diagnostic, Error};
 use serde_json::Value;
 
 use crate::args::{ReaderName, RunArgs, RunFormat};
@@ -22,7 +22,8 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Ok(made) => made,
         Err(error) => {
             let error: Error = error;
-            streams.report(&style.text(&[error.into()], &Files::default()));
+            let found = Diagnostic { code: "bad-request", ..error.into() };
+            streams.report(&style.text(&[found], &Files::default()));
             return Ok(Outcome::CouldNot);
         }
     };

@@ -18,6 +18,13 @@ pub(super) struct Misfit {
     pub help: Option<String>,
 }
 
+impl Misfit {
+    pub fn with_help(mut self, help: &str) -> Misfit {
+        self.help = Some(help.to_string());
+        self
+    }
+}
+
 /// Appends the words of a value, one a scalar: 32-bit bits, or 64.
 pub(super) fn words(
     ty: &ValueType,

@@ -80,3 +80,33 @@ fn prologue(module: &Module) -> (Function, Vec<String>) {
     let inputs = inputs.collect();
     (function, inputs)
 }
+
+/// The module with zeros for the inputs of its entry point: no stage before it writes any.
+pub(super) fn without_inputs(mut module: Module) -> Result<Module, Vec<Diagnostic>> {
+    for entry in &mut module.ir.entry_points {
+        let function = &mut entry.function;
+        let arguments = std::mem::take(&mut function.arguments);
+        // What each argument is now: zeros of its type, or an argument of another number.
+        let mut becomes = Vec::new();
+        for argument in arguments {
+            match argument.binding {
+                Some(naga::Binding::Location { .. }) => {
+                    becomes.push(Expression::ZeroValue(argument.ty));
+                }
+                Some(naga::Binding::BuiltIn(_)) | None => {
+                    let number = function.arguments.len() as u32;
+                    becomes.push(Expression::FunctionArgument(number));
+                    function.arguments.push(argument);
+                }
+            }
+        }
+        for (_, expression) in function.expressions.iter_mut() {
+            if let Expression::FunctionArgument(number) = expression {
+                if let Some(new) = becomes.get(*number as usize) {
+                    *expression = new.clone();
+                }
+            }
+        }
+    }
+    module.validated()
+}

@@ -76,11 +76,20 @@ fn taken<'m>(
     given: &[Value],
     language: Language,
 ) -> Result<Found<'m>, Misfit> {
-    let signature = program.signature(info.handle.index()).map_err(|what| Misfit {
-        code: "cannot-call",
-        message: format!("`{}` cannot be called: the evaluator does not know {what}", shown(info)),
-        help: None,
+    let cannot = |message: String| Misfit { code: "cannot-call", message, help: None };
+    let signature = program.signature(info.handle.index()).map_err(|what| {
+        let shown = shown(info);
+        cannot(format!("`{shown}` cannot be called: the evaluator does not know {what}"))
     })?;
+    let Some(signature) = signature else {
+        let words = ["sampler", "texture", "image"];
+        let opaque = info.parameters.iter().find(|p| words.iter().any(|w| p.ty.contains(w)));
+        let which = opaque.map_or("a parameter is no".to_string(), |p| {
+            format!("`{}` is a `{}`, which is no", p.name, p.ty)
+        });
+        return Err(cannot(format!("`{}` cannot be called: {which} plain value", shown(info)))
+            .with_help("call the function that calls it"));
+    };
     let is_out =
         |at: &usize| info.parameters.get(*at).is_some_and(|p| p.direction == Direction::Out);
     let all = signature.parameters.len();

@@ -36,7 +36,7 @@ pub struct Request {
     pub data: Data,
     /// Colours of textures by name; the others are white.
     pub textures: Vec<(String, [f32; 4])>,
-    /// Values of the shader's inputs by name, for the evaluator; the others are zero.
+    /// Values of the shader's inputs by name, for the evaluator alone; the others are zero.
     pub inputs: Vec<(String, Value)>,
     /// Who is not done by then has failed.
     pub limit: Duration,
@@ -110,6 +110,14 @@ impl Job<'_> {
             .map_err(|misfit| self.misfit(misfit))?;
         let caller = caller::caller(module, found.info.handle)
             .map_err(|mut all| Box::new(all.swap_remove(0)))?;
+        if let (Some(reader), Some((name, _))) = (&reader, request.inputs.first()) {
+            let reader = reader.device().reader;
+            if reader != "cpu" {
+                let message = format!("`{name}` is an input, and {reader} has none but zeros");
+                let help = Some("`--reader cpu` takes inputs".to_string());
+                return Err(Box::new(finding("no-inputs", message, help, "--input")));
+            }
+        }
         let evaluated = self.evaluate(&caller, &found)?;
         let mut notes = Vec::new();
         let driver = reader.filter(|reader| reader.device().reader != "cpu");
@@ -188,7 +196,8 @@ impl Job<'_> {
         let program = Program::new(module, &[]);
         let number = module.ir.functions.len() - 1;
         let signature = match program.signature(number) {
-            Ok(signature) => signature,
+            Ok(Some(signature)) => signature,
+            Ok(None) => return Ok(Err(Failure::refused("a parameter is no plain value", ""))),
             Err(what) => {
                 let message = format!("the evaluator does not know {what}");
                 return Ok(Err(Failure::refused(message, "")));
@@ -302,8 +311,8 @@ impl Job<'_> {
         }
         let list = names.join("`, `");
         notes.push(match driver {
-            true => format!("it reads the inputs `{list}`, which no other stage writes"),
-            false => format!("it reads the inputs `{list}`, which are zero: --input gives values"),
+            true => format!("it reads `{list}`, which are zero: `--reader cpu` takes --input"),
+            false => format!("it reads `{list}`, which are zero: --input gives values"),
         });
     }
 

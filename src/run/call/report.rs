@@ -70,7 +70,7 @@ impl CallReport {
             let operands: Vec<String> = seen.operands.iter().map(|x| plain(*x)).collect();
             let mut message = seen.kind.text().to_string();
             if !operands.is_empty() {
-                message.push_str(&format!(" of {}", operands.join(", ")));
+                message.push_str(&format!(": of {}", operands.join(", ")));
             }
             let mut found = Diagnostic::warning("undefined-operation", seen.place.span, message)
                 .with_text(format!("in `{}`", function_name(&seen.place.function)));
@@ -136,6 +136,10 @@ impl Given {
 
 /// A double as JSON.
 pub(crate) fn number(double: f64) -> Value {
+    if double.is_nan() {
+        // Which NaN a machine makes is its own affair.
+        return Value::from("nan");
+    }
     serde_json::to_value(Datum { scalar: Scalar::F64, bits: double.to_bits() })
         .unwrap_or(Value::Null)
 }

@@ -119,16 +119,15 @@ impl Program {
         plain.filter_map(signature).collect()
     }
 
-    /// What a function of the module takes and gives, by its number there.
+    /// What a function of the module takes and gives, by its number there; none where a
+    /// parameter has no plain value.
     ///
     /// # Errors
-    /// What it uses that is not supported; a parameter that has no plain value.
-    pub(crate) fn signature(&self, function: usize) -> Result<FunctionSignature, String> {
+    /// What it uses that is not supported.
+    pub(crate) fn signature(&self, function: usize) -> Result<Option<FunctionSignature>, String> {
         let function = &self.functions[function];
         function.state.clone()?;
-        let opaque = function.arguments.iter().find(|argument| argument.ty.is_none());
-        let name = opaque.map_or("", |argument| argument.name.as_str());
-        signature(function).ok_or_else(|| format!("`{name}`, which is no plain value"))
+        Ok(signature(function))
     }
 
     /// Names of its entry points.
