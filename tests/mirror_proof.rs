@@ -81,7 +81,7 @@ fn main() {
     scene.lights[2] = light;
     scene.wind[1] = 5.5;
     scene.count = 7;
-    scene.weights = [0.0, 6.5].into();
+    scene.weights[1] = 6.5_f32.into();
     scene.frame = [[0.0; 3], [0.0, 0.0, 8.5]].into();
     scene.on = true.into();
     std::io::stdout().write_all(bytemuck::bytes_of(&scene)).unwrap();

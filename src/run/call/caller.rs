@@ -81,10 +81,18 @@ fn prologue(module: &Module) -> (Function, Vec<String>) {
     (function, inputs)
 }
 
-/// The module with zeros for the inputs of its entry point: no stage before it writes any.
-pub(super) fn without_inputs(mut module: Module) -> Result<Module, Vec<Diagnostic>> {
+/// The module with zeros for the inputs of its entry point, as no stage before it writes any, and
+/// without the outputs of a fragment stage: the answer is in a buffer.
+pub(super) fn without_interface(mut module: Module) -> Result<Module, Vec<Diagnostic>> {
     for entry in &mut module.ir.entry_points {
         let function = &mut entry.function;
+        if entry.stage == naga::ShaderStage::Fragment && function.result.take().is_some() {
+            for statement in function.body.iter_mut() {
+                if let Statement::Return { value } = statement {
+                    *value = None;
+                }
+            }
+        }
         let arguments = std::mem::take(&mut function.arguments);
         // What each argument is now: zeros of its type, or an argument of another number.
         let mut becomes = Vec::new();

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::Request;
 use super::arguments::{held_as, paths};
-use super::caller::without_inputs;
+use super::caller::without_interface;
 use super::find::Found;
 use crate::port::{PortOptions, Ported, port};
 use crate::run::Module;
@@ -271,7 +271,7 @@ fn module(
     entry: &str,
 ) -> Result<Made, Failure> {
     let text = Source { text: Arc::from(text), stage: Some(stage), ..source.clone() };
-    let module = Module::new(&text, options).and_then(without_inputs);
+    let module = Module::new(&text, options).and_then(without_interface);
     let module = module.map_err(|found| refused(&found))?;
     let is_results =
         |block: &BlockLayout| [glsl::RESULTS, "landfall_words"].contains(&&*block.name);
