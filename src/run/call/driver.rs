@@ -200,7 +200,7 @@ fn original(
             vec![own, code(Stage::Fragment, partner::fragment(&opened).text.to_string())]
         }
         Stage::Fragment => {
-            let vertex = partner::vertex(&opened, &options.read);
+            let vertex = zeroed(&partner::vertex(&opened, &options.read), &own, &opened, options);
             vec![code(Stage::Vertex, vertex), own]
         }
         Stage::Compute
@@ -249,6 +249,30 @@ fn original(
         resources.push(Resource { name, group: 0, binding: 0, kind });
     }
     Ok(Made { stages, resources, results: nothing(glsl::RESULTS), stage })
+}
+
+/// A vertex stage that writes zeros to whatever the fragment stage after it reads.
+fn zeroed(vertex: &str, fragment: &StageCode, source: &Source, options: &Options) -> String {
+    let text = Arc::from(fragment.glsl.as_deref().unwrap_or_default());
+    let fragment = Source { text, stage: Some(Stage::Fragment), ..source.clone() };
+    let Ok(module) = Module::new(&fragment, options) else { return vertex.to_string() };
+    let Some((head, main)) = vertex.rsplit_once("void main() {") else {
+        return vertex.to_string();
+    };
+    let mut text = head.to_string();
+    for (scalar, vector) in [("float", "vec"), ("int", "ivec"), ("uint", "uvec")] {
+        for ty in
+            [scalar.to_string(), format!("{vector}2"), format!("{vector}3"), format!("{vector}4")]
+        {
+            let _ = writeln!(text, "void landfall_zero(out {ty} x) {{ x = {ty}(0); }}");
+        }
+    }
+    text.push_str("void main() {");
+    for input in module.inputs() {
+        let _ = write!(text, "\n    landfall_zero({});", input.name);
+    }
+    text.push_str(main);
+    text
 }
 
 fn ported(source: &Source, options: &Options) -> Result<Ported, Failure> {
