@@ -57,8 +57,10 @@ pub use dirty::{Ranges, Upload};
 pub use encode::{Missing, encode};
 pub use error::BufferError;
 pub use handle::Handle;
+pub(crate) use json::kind;
 pub use json::{EncodeError, read_json};
 pub use number::Datum;
+pub(crate) use number::{Unfit, bits};
 pub use padding::{Finding, Findings};
 pub use value::{Component, Value};
 

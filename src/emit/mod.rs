@@ -6,6 +6,7 @@
 //! need be in memory; [`document`] is all of it for one.
 
 pub mod c;
+pub mod coverage;
 mod csv;
 pub mod devices;
 pub mod diagnostics;
@@ -19,6 +20,7 @@ mod listing;
 mod markdown;
 mod paint;
 mod place;
+pub mod run;
 pub mod rust;
 mod table;
 #[cfg(feature = "cli")]

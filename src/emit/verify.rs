@@ -42,7 +42,7 @@ pub fn readers(attendance: &[Attendance], paint: Paint) -> String {
     text
 }
 
-fn about(device: &Device) -> String {
+pub(super) fn about(device: &Device) -> String {
     let mut words = device.adapter.clone();
     if !device.driver.is_empty() {
         let _ = write!(words, " · {}", device.driver);
@@ -85,6 +85,9 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
         }
         if !block.unprobed.is_empty() {
             unprobed(block, paint, &mut text);
+        }
+        if let Some(coverage) = &block.coverage {
+            text.push_str(&super::coverage::block(coverage, paint));
         }
     }
     text

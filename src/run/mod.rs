@@ -6,6 +6,9 @@
 //! runs a driver in a process of its own. [`accuracy`] is what they were measured at.
 
 pub mod accuracy;
+pub mod bound;
+pub mod call;
+pub mod coverage;
 pub mod devices;
 pub mod eval;
 #[cfg(feature = "gl")]

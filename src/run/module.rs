@@ -252,7 +252,7 @@ impl Module {
         })
     }
 
-    fn validated(mut self) -> Result<Module, Vec<Diagnostic>> {
+    pub(super) fn validated(mut self) -> Result<Module, Vec<Diagnostic>> {
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
         let ir = &self.ir;
         // naga's validator asserts what its own front ends promise.

@@ -4,6 +4,7 @@ mod check;
 mod codec;
 mod levels;
 mod lock;
+mod run;
 mod verify;
 
 use std::path::PathBuf;
@@ -16,6 +17,7 @@ use landfall::{Language, Rules, Stage, Target, emit};
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
+pub use run::{RunArgs, RunFormat};
 pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
@@ -48,6 +50,8 @@ pub enum Command {
     Decode(DecodeArgs),
     /// Upload a buffer, let the shader read it, and say which byte every member was read from
     Verify(VerifyArgs),
+    /// Call one function of a shader with arguments in JSON, in f32 beside f64
+    Run(RunArgs),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
     /// Write the lock of every shader: its layout, to be committed and compared with
@@ -279,6 +283,8 @@ pub enum Schema {
     Check,
     /// verify --format json
     Verify,
+    /// run --format json
+    Run,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

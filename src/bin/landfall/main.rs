@@ -6,6 +6,7 @@
 mod args;
 mod check;
 mod config;
+mod data;
 mod decode;
 mod devices;
 mod diff;
@@ -23,6 +24,7 @@ mod read;
 mod reader;
 mod readers;
 mod rule;
+mod run;
 mod schema;
 mod shader;
 mod verify;
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
         Command::Verify(args) => verify::run(args, &streams),
+        Command::Run(args) => run::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

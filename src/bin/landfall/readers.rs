@@ -29,7 +29,8 @@ pub fn open(names: &[ReaderName], adapter: Option<&str>) -> Readers {
     readers
 }
 
-fn one(name: ReaderName, adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
+/// Opens one reader.
+pub fn one(name: ReaderName, adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
     match name {
         ReaderName::Cpu => Ok(Box::new(landfall::run::eval::Cpu::new(Default::default()))),
         ReaderName::Gl => gl(),

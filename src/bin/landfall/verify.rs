@@ -5,6 +5,8 @@ use std::path::Path;
 use landfall::emit::verify::{self as print, Counts};
 use landfall::file::write_whole;
 use landfall::lock::{self, Verified};
+use landfall::run::bound::Data;
+use landfall::run::coverage::coverage;
 use landfall::run::reader::Device;
 use landfall::run::verify::report::{Attendance, Outcome as Seen, ShaderReport};
 use landfall::run::verify::{Subject, VerifyOptions, verify};
@@ -15,8 +17,8 @@ use crate::args::{VerifyArgs, VerifyFormat};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::read;
 use crate::readers::{self, Readers};
+use crate::{data, read};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
@@ -44,6 +46,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams,
         counts: Counts::default(),
         could_not: false,
+        data: data::blocks(args.data.as_deref())?,
     };
     match args.format {
         VerifyFormat::Human => {
@@ -100,6 +103,7 @@ struct Run<'a> {
     streams: &'a Streams,
     counts: Counts,
     could_not: bool,
+    data: Data,
 }
 
 impl Run<'_> {
@@ -122,7 +126,14 @@ impl Run<'_> {
                 return Ok(());
             }
         };
-        let report = verify(&subject, &self.options, &mut readers.here);
+        let mut report = verify(&subject, &self.options, &mut readers.here);
+        if self.args.coverage {
+            let limit = self.options.limit;
+            match coverage(&source, &self.options.layout, &self.data, limit) {
+                Ok(found) => report.cover(found),
+                Err(found) => self.refuse(&found, &subject.layout().files),
+            }
+        }
         let text = match self.args.format {
             VerifyFormat::Human => format!("\n{}", print::shader(&report, self.streams.paint)),
             VerifyFormat::Json => {

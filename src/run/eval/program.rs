@@ -2,9 +2,9 @@
 //!
 //! Made by [`compile`](super::compile), run by [`machine`](super::machine).
 
-use super::code::{Access, Inst, Op, Origin, Reg, Values};
+use super::code::{Access, Class, Inst, Op, Origin, Reg, Values};
 use super::counts::Price;
-use super::interface::Interface;
+use super::interface::{Interface, Port};
 use super::value::ValueType;
 use crate::source::Files;
 
@@ -119,9 +119,29 @@ impl Program {
         plain.filter_map(signature).collect()
     }
 
+    /// What a function of the module takes and gives, by its number there; none where a
+    /// parameter has no plain value.
+    ///
+    /// # Errors
+    /// What it uses that is not supported.
+    pub(crate) fn signature(&self, function: usize) -> Result<Option<FunctionSignature>, String> {
+        let function = &self.functions[function];
+        function.state.clone()?;
+        Ok(signature(function))
+    }
+
     /// Names of its entry points.
     pub fn entry_points(&self) -> impl Iterator<Item = &str> {
         self.functions.iter().filter(|f| f.interface.is_some()).map(|f| f.name.as_str())
+    }
+
+    /// The inputs of an entry point, each scalar a float or not.
+    pub(crate) fn inputs(&self, entry: &str) -> Vec<(Port, Vec<bool>)> {
+        let found = self.functions.iter().find(|f| f.name == entry && f.interface.is_some());
+        let interface = found.and_then(|function| function.interface.as_ref());
+        let plugs = interface.map_or(&[][..], |interface| &interface.inputs);
+        let floats = |regs: &[Reg]| regs.iter().map(|reg| reg.class() == Class::Real).collect();
+        plugs.iter().map(|plug| (plug.port, floats(&plug.regs))).collect()
     }
 
     pub(super) fn uses(&self, function: u32) -> Uses {

@@ -30,7 +30,7 @@ mod parse;
 mod parse_statement;
 mod place;
 mod predeclared;
-mod reach;
+pub(super) mod reach;
 mod statement;
 mod texture;
 mod types;

@@ -5,7 +5,7 @@ use naga::{Block, Expression, Function, GlobalVariable, Handle, Module, Statemen
 use rustc_hash::FxHashSet;
 
 /// The global variables named in a function and in those it calls.
-pub(super) fn variables(
+pub(in crate::run) fn variables(
     module: &Module,
     main: Handle<Function>,
 ) -> FxHashSet<Handle<GlobalVariable>> {

@@ -23,6 +23,13 @@ pub(crate) fn text(
     stage: Stage,
 ) -> String {
     let head = Head::of(&source.text);
+    let mut text = aside(source, &head);
+    append(&mut text, source, block, element, plan, stage, &head);
+    text
+}
+
+/// The user's text with its `main` put aside.
+pub(crate) fn aside(source: &Source, head: &Head) -> String {
     let mut text = String::with_capacity(source.text.len() + 4096);
     text.push_str(&source.text[..head.end]);
     if head.end > 0 && !text.ends_with('\n') {
@@ -40,22 +47,60 @@ pub(crate) fn text(
     let _ = writeln!(text, "#line {}", head.line);
     text.push_str(&source.text[head.end..]);
     text.push_str("\n#undef main\n");
-    append(&mut text, source, block, element, plan, stage, &head);
     text
 }
 
+/// What stands before a `main` of ours: the results' block, and a size where a workgroup has none.
+pub(crate) fn results(text: &mut String, source: &Source, stage: Stage, head: &Head) {
+    if head.es {
+        text.push_str("precision highp float;\nprecision highp int;\n");
+    }
+    let precision = if head.es { "highp " } else { "" };
+    let _ =
+        writeln!(text, "layout(std430) buffer {RESULTS} {{ {precision}uint landfall_words[]; }};");
+    if stage == Stage::Compute && !source.text.contains("local_size_x") {
+        text.push_str("layout(local_size_x = 1) in;\n");
+    }
+}
+
+/// A `main` of that stage, which one invocation runs.
+pub(crate) fn main(text: &mut String, stage: Stage, body: &str) {
+    text.push_str("void main() {\n");
+    match stage {
+        Stage::Vertex => text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n"),
+        // A group of the user's size would write every word many times over.
+        Stage::Compute => {
+            text.push_str("    if (gl_GlobalInvocationID != uvec3(0u)) return;\n");
+        }
+        Stage::Fragment
+        | Stage::TessellationControl
+        | Stage::TessellationEvaluation
+        | Stage::Geometry
+        | Stage::Task
+        | Stage::Mesh
+        | Stage::RayGeneration
+        | Stage::Intersection
+        | Stage::AnyHit
+        | Stage::ClosestHit
+        | Stage::Miss
+        | Stage::Callable => {}
+    }
+    text.push_str(body);
+    text.push_str("}\n");
+}
+
 /// The `#version` line: what it says and where it ends.
-struct Head {
+pub(crate) struct Head {
     /// One past its line break; 0 where there is none.
     end: usize,
     /// Number of the line after it.
     line: usize,
-    version: u32,
-    es: bool,
+    pub(crate) version: u32,
+    pub(crate) es: bool,
 }
 
 impl Head {
-    fn of(text: &str) -> Head {
+    pub(crate) fn of(text: &str) -> Head {
         let mut end = 0;
         for (number, line) in text.split_inclusive('\n').enumerate() {
             end += line.len();
@@ -81,15 +126,7 @@ fn append(
     stage: Stage,
     head: &Head,
 ) {
-    if head.es {
-        text.push_str("precision highp float;\nprecision highp int;\n");
-    }
-    let precision = if head.es { "highp " } else { "" };
-    let _ =
-        writeln!(text, "layout(std430) buffer {RESULTS} {{ {precision}uint landfall_words[]; }};");
-    if stage == Stage::Compute && !source.text.contains("local_size_x") {
-        text.push_str("layout(local_size_x = 1) in;\n");
-    }
+    results(text, source, stage, head);
     let root = root(block, element);
     let mut body = String::new();
     for (number, group) in groups(block, plan).into_iter().enumerate() {
@@ -132,28 +169,7 @@ fn append(
             }
         }
     }
-    text.push_str("void main() {\n");
-    match stage {
-        Stage::Vertex => text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n"),
-        // A group of the user's size would write every word many times over.
-        Stage::Compute => {
-            text.push_str("    if (gl_GlobalInvocationID != uvec3(0u)) return;\n");
-        }
-        Stage::Fragment
-        | Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => {}
-    }
-    text.push_str(&body);
-    text.push_str("}\n");
+    main(text, stage, &body);
 }
 
 /// What stands before the members: `block[1].`, or nothing.

@@ -106,7 +106,7 @@ pub(crate) fn text(source: &Source, block: &BlockLayout, plan: &Plan, stage: Sta
 }
 
 /// A binding of group 0 that no `@binding(` of the text has.
-fn free_binding(text: &str) -> u32 {
+pub(crate) fn free_binding(text: &str) -> u32 {
     let after = text.split("@binding").skip(1);
     let numbers = after.filter_map(|rest| {
         let rest = rest.trim_start().strip_prefix('(')?.trim_start();

@@ -8,6 +8,11 @@ use crate::run::probe::plan::Access;
 use crate::shape::AddressSpace;
 use crate::source::{Files, Language};
 
+/// Whether any member of a block may be written.
+pub(in crate::run) fn writable(block: &BlockLayout, files: &Files, language: Language) -> bool {
+    of(block, files, language).iter().any(|access| access.write)
+}
+
 /// What may be done to each member of a block, in their order.
 pub(super) fn of(block: &BlockLayout, files: &Files, language: Language) -> Vec<Access> {
     let all = |access| vec![access; block.members.len()];

@@ -14,7 +14,7 @@ use crate::run::probe::plan::Plan;
 use crate::run::probe::{glsl, wgsl};
 use crate::run::reader::{Failure, FailureKind, StageCode};
 use crate::shape::{AddressSpace, ArrayLen, Rules};
-use crate::source::{Language, Source, Stage};
+use crate::source::{Language, ReadOptions, Source, Stage};
 use crate::{Diagnostic, Options, layout};
 
 /// What code is needed of.
@@ -60,7 +60,7 @@ pub(super) fn form(reader: &str, source: &Source, block: &BlockLayout, naga: boo
 }
 
 /// Whether the block is the loose uniforms of a GLSL shader.
-fn is_loose(source: &Source, block: &BlockLayout) -> bool {
+pub(in crate::run) fn is_loose(source: &Source, block: &BlockLayout) -> bool {
     let gathered = &*block.name == "DefaultBlock" && !block.rules_declared;
     source.language == Language::Glsl && gathered
 }
@@ -111,7 +111,7 @@ pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
     let form = form(need.reader, need.source, need.block, need.options.naga);
     match form {
         Form::Original => {
-            let source = opened(need.source, need.options);
+            let source = opened(need.source, &need.options.layout.read);
             let text = glsl::text(&source, need.block, need.element, need.plan, need.stage);
             for_gl(need, &source, &text)
         }
@@ -121,17 +121,17 @@ pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
 }
 
 /// The shader with its includes in it: drivers open no files.
-fn opened<'a>(source: &'a Source, options: &VerifyOptions) -> Cow<'a, Source> {
+pub(in crate::run) fn opened<'a>(source: &'a Source, options: &ReadOptions) -> Cow<'a, Source> {
     if !source.text.contains("#include") {
         return Cow::Borrowed(source);
     }
-    let text = raw::flattened(source, &options.layout.read);
+    let text = raw::flattened(source, options);
     Cow::Owned(Source { text: Arc::from(text), ..source.clone() })
 }
 
 /// The user's text as OpenGL's compiler takes it, without a probe.
 pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
-    without(&opened(source, options).text, "set")
+    without(&opened(source, &options.layout.read).text, "set")
 }
 
 fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
@@ -187,7 +187,7 @@ fn stage_code(
 }
 
 /// The name OpenGL gives one buffer of a block, or of an array of them: `B[0]`.
-pub(super) fn gl_name(block: &str, element: &[u32]) -> String {
+pub(in crate::run) fn gl_name(block: &str, element: &[u32]) -> String {
     element.iter().fold(block.to_string(), |name, index| format!("{name}[{index}]"))
 }
 
@@ -274,7 +274,7 @@ fn refused(what: &str, found: &[Diagnostic]) -> Failure {
 }
 
 /// The text without `WORD = N` in its layout qualifiers: OpenGL has no descriptor sets.
-fn without(text: &str, word: &str) -> String {
+pub(in crate::run) fn without(text: &str, word: &str) -> String {
     let mut result = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find(word) {

@@ -4,9 +4,9 @@
 //! Takes the layout of a shader, makes [`probe`](super::probe)s of its text, has a
 //! [`Reader`] run them, and gives a [`ShaderReport`].
 
-mod access;
-mod code;
-mod partner;
+pub(super) mod access;
+pub(super) mod code;
+pub(super) mod partner;
 pub mod report;
 mod reported;
 
@@ -157,6 +157,7 @@ impl Verifier<'_> {
             leaves: self.block.leaves.len(),
             readers: reports,
             unprobed: unprobed.map(|it| Unprobed { path: it.path, reason: it.reason }).collect(),
+            coverage: None,
         }
     }
 
@@ -491,7 +492,7 @@ fn elements(count: &[ArrayLen]) -> Vec<Vec<u32>> {
 }
 
 /// Every buffer of an array of blocks.
-fn every(count: &[ArrayLen]) -> Vec<Vec<u32>> {
+pub(super) fn every(count: &[ArrayLen]) -> Vec<Vec<u32>> {
     combined(count, |length| (0..length.min(MOST_BUFFERS)).collect())
 }
 

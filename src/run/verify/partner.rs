@@ -10,7 +10,7 @@ use crate::parse::glsl::raw::{self, RawToken};
 use crate::source::{Language, ReadOptions, Source, Stage};
 
 /// A fragment stage that writes nothing of note, in the version of that text.
-pub(super) fn fragment(of: &Source) -> Source {
+pub(in crate::run) fn fragment(of: &Source) -> Source {
     let version = of.text.lines().find(|line| line.trim_start().starts_with("#version"));
     let version = match of.language {
         Language::Glsl => version.unwrap_or("#version 450"),
@@ -29,7 +29,7 @@ pub(super) fn fragment(of: &Source) -> Source {
 }
 
 /// A vertex stage that declares what a fragment shader reads, and covers the image.
-pub(super) fn vertex(of: &Source, options: &ReadOptions) -> String {
+pub(in crate::run) fn vertex(of: &Source, options: &ReadOptions) -> String {
     let raw = raw::read(of, options);
     let tokens = &raw.tokens;
     let word = |token: &RawToken| &of.text[token.start..token.end];

@@ -5,6 +5,7 @@
 
 use serde::Serialize;
 
+use crate::run::coverage::BlockCoverage;
 use crate::run::reader::{Device, Failure};
 
 /// One shader.
@@ -35,6 +36,9 @@ pub struct BlockReport {
     pub readers: Vec<ReaderReport>,
     /// Leaves that no probe reads, and why.
     pub unprobed: Vec<Unprobed>,
+    /// Which of its bytes the shader's own code reads, where that was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<BlockCoverage>,
 }
 
 /// A leaf that no probe reads.
@@ -136,6 +140,19 @@ pub enum Attendance {
 }
 
 impl ShaderReport {
+    /// Adds to each block which of its bytes the shader's own code reads.
+    pub fn cover(&mut self, found: Vec<BlockCoverage>) {
+        for coverage in found {
+            let block = self
+                .blocks
+                .iter_mut()
+                .find(|block| block.name == coverage.name && block.instance == coverage.instance);
+            if let Some(block) = block {
+                block.coverage = Some(coverage);
+            }
+        }
+    }
+
     /// Whether some reader read another byte than expected.
     pub fn disagrees(&self) -> bool {
         self.outcomes().any(|outcome| outcome == Outcome::Disagrees)

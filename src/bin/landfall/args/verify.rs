@@ -31,6 +31,13 @@ pub struct VerifyArgs {
     /// Stages that read [default: the shader's own]
     #[arg(long = "in-stage", value_name = "STAGE", value_delimiter = ',', value_parser = stage)]
     pub stages: Vec<Stage>,
+    /// Say too which bytes of each block the shader's own code never reads
+    #[arg(long)]
+    pub coverage: bool,
+    /// What blocks hold when --coverage runs the shader, by name: a file, or an object
+    /// [default: zeros, then small numbers]
+    #[arg(long, value_name = "FILE|JSON", requires = "coverage")]
+    pub data: Option<String>,
     /// Run the module naga makes of the text, to see what a wgpu program reads
     #[arg(long)]
     pub naga: bool,
@@ -84,7 +91,7 @@ pub enum VerifyFormat {
 }
 
 /// A number of seconds.
-fn seconds(text: &str) -> Result<Duration, String> {
+pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "a limit is a number of seconds".to_string())?;
     match Duration::try_from_secs_f64(seconds) {
         Ok(limit) if !limit.is_zero() => Ok(limit),

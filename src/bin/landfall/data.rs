@@ -1,0 +1,29 @@
+//! JSON on the command line: what blocks hold, arguments, colours.
+
+use std::path::Path;
+
+use landfall::Error;
+use landfall::buffer::read_json;
+use landfall::run::bound::Data;
+use serde_json::Value;
+
+use crate::read;
+
+/// What blocks hold: an object on the command line, or the file of that name.
+pub fn blocks(text: Option<&str>) -> Result<Data, Error> {
+    let Some(text) = text else { return Ok(Data::new()) };
+    let (about, json) = match text.trim_start().starts_with('{') {
+        true => ("--data".to_string(), text.to_string()),
+        false => (read::shown(Path::new(text)), read::text(Path::new(text))?),
+    };
+    match value(&about, &json)? {
+        Value::Object(map) => Ok(map),
+        _ => Err(Error::new(about, "is no object of blocks by name")
+            .with_help("write `{\"Lights\": {\"count\": 1}}`")),
+    }
+}
+
+/// JSON that says what is wrong with it.
+pub fn value(about: &str, text: &str) -> Result<Value, Error> {
+    read_json(text).map_err(|error| Error::new(about, format!("is not JSON: {error}")))
+}

@@ -1,0 +1,96 @@
+//! `landfall run`: one function called, its results in f32 beside f64.
+
+use landfall::emit::run as print;
+use landfall::run::call::{Request, call};
+use landfall::source::Files;
+use landfall::{Diagnostic, Error};
+use serde_json::Value;
+
+use crate::args::{ReaderName, RunArgs, RunFormat};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::{data, read, readers};
+
+pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    // In JSON, what was found is part of the product.
+    let form = match args.format {
+        RunFormat::Human => FindingForm::Human,
+        RunFormat::Json => FindingForm::Json,
+    };
+    let style = streams.style(form);
+    let made = (|| Ok((read::source(&args.file, &args.read)?, request(args)?)))();
+    let (source, request) = match made {
+        Ok(made) => made,
+        Err(error) => {
+            let error: Error = error;
+            let found = Diagnostic { code: "bad-request", ..error.into() };
+            streams.report(&style.text(&[found], &Files::default()));
+            return Ok(Outcome::CouldNot);
+        }
+    };
+    let mut reader = match args.reader {
+        // The evaluator runs in any case.
+        ReaderName::Cpu => None,
+        ReaderName::Gl | ReaderName::Gpu => {
+            let opened = readers::one(args.reader, args.adapter.as_deref());
+            Some(opened.map_err(|failure| {
+                let message = format!("cannot run it: {}", failure.message);
+                Error::new(args.reader.name(), message).with_help(
+                    "`landfall devices` lists what is here; `--reader cpu` needs nothing",
+                )
+            })?)
+        }
+    };
+    let options = read::options(&args.read);
+    let called = match &mut reader {
+        Some(reader) => call(&source, &options, &request, Some(reader.as_mut())),
+        None => call(&source, &options, &request, None),
+    };
+    match called {
+        Ok(report) => {
+            match args.format {
+                RunFormat::Human => {
+                    streams.product(&print::text(&report, streams.paint))?;
+                    streams.finish()?;
+                    streams.report(&style.text(&report.findings(), &report.files));
+                }
+                RunFormat::Json => streams.product(&print::json(&report))?,
+            }
+            Ok(Outcome::Clean)
+        }
+        Err(refusal) => {
+            streams.report(&style.text(&refusal.found, &refusal.files));
+            Ok(Outcome::CouldNot)
+        }
+    }
+}
+
+fn request(args: &RunArgs) -> Result<Request, Error> {
+    let Value::Array(arguments) = data::value("--args", &args.arguments)? else {
+        return Err(Error::new("--args", "is no array of arguments").with_help("write `[1, 2]`"));
+    };
+    let textures = args
+        .textures
+        .iter()
+        .map(|(name, text)| Ok((name.clone(), colour(&data::value("--texture", text)?, name)?)));
+    let inputs =
+        args.inputs.iter().map(|(name, text)| Ok((name.clone(), data::value("--input", text)?)));
+    Ok(Request {
+        function: args.function.clone(),
+        arguments,
+        data: data::blocks(args.data.as_deref())?,
+        textures: textures.collect::<Result<_, Error>>()?,
+        inputs: inputs.collect::<Result<_, Error>>()?,
+        limit: args.limit,
+    })
+}
+
+/// Four numbers.
+fn colour(value: &Value, name: &str) -> Result<[f32; 4], Error> {
+    let numbers: Option<Vec<f32>> = value
+        .as_array()
+        .and_then(|items| items.iter().map(|item| item.as_f64().map(|x| x as f32)).collect());
+    numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
+        Error::new("--texture", format!("gives `{name}` no colour of four numbers"))
+            .with_help(format!("write `{name}=[1, 1, 1, 1]`"))
+    })
+}

@@ -1,0 +1,120 @@
+//! A module with a function that calls another as its shader would: inputs put in place and
+//! global variables initialised, as its entry point does, then the call.
+//!
+//! Made of a [`Module`]; the evaluator runs it for [`call`](super::call()).
+
+use naga::{Block, Expression, Function, FunctionArgument, Handle, Span, Statement};
+
+use crate::Diagnostic;
+use crate::run::Module;
+
+/// The name of the function that calls.
+pub(super) const NAME: &str = "landfall_call";
+
+/// A module and what its [`NAME`] takes before the arguments of the function that is called.
+pub(super) struct Caller {
+    pub module: Module,
+    /// Names of the shader's inputs, each a parameter.
+    pub inputs: Vec<String>,
+}
+
+/// The module with a function that calls the one meant.
+pub(super) fn caller(module: &Module, target: Handle<Function>) -> Result<Caller, Vec<Diagnostic>> {
+    let mut module = module.clone();
+    let (mut function, inputs) = prologue(&module);
+    let callee = &module.ir.functions[target];
+    let base = function.arguments.len() as u32;
+    let mut arguments = Vec::new();
+    for (index, argument) in callee.arguments.iter().enumerate() {
+        let (name, ty) = (argument.name.clone(), argument.ty);
+        function.arguments.push(FunctionArgument { name, ty, binding: None });
+        let given = Expression::FunctionArgument(base + index as u32);
+        arguments.push(function.expressions.append(given, Span::UNDEFINED));
+    }
+    let result = callee
+        .result
+        .is_some()
+        .then(|| function.expressions.append(Expression::CallResult(target), Span::UNDEFINED));
+    function.result = callee.result.clone();
+    let call = Statement::Call { function: target, arguments, result };
+    function.body.push(call, Span::UNDEFINED);
+    function.body.push(Statement::Return { value: result }, Span::UNDEFINED);
+    module.ir.functions.append(function, Span::UNDEFINED);
+    Ok(Caller { module: module.validated()?, inputs })
+}
+
+/// What GLSL's entry point does before it calls `main`; nothing where there is no `main`.
+fn prologue(module: &Module) -> (Function, Vec<String>) {
+    let empty = || (Function { name: Some(NAME.to_string()), ..Function::default() }, Vec::new());
+    let Some(main) = module.functions().iter().find(|f| f.name == "main").map(|f| f.handle) else {
+        return empty();
+    };
+    let Some(entry) = module.ir.entry_points.iter().find(|entry| entry.name == "main") else {
+        return empty();
+    };
+    let is_call =
+        |s: &Statement| matches!(s, Statement::Call { function, .. } if *function == main);
+    // WGSL's entry points are functions themselves.
+    if !entry.function.body.iter().any(is_call) {
+        return empty();
+    }
+    let mut function = entry.function.clone();
+    function.name = Some(NAME.to_string());
+    function.named_expressions.clear();
+    let mut body = Block::new();
+    for (statement, span) in entry.function.body.span_iter() {
+        if is_call(statement) {
+            break;
+        }
+        body.push(statement.clone(), *span);
+    }
+    function.body = body;
+    let inputs = function.arguments.iter_mut().map(|argument| {
+        let location = match argument.binding.take() {
+            Some(naga::Binding::Location { location, .. }) => Some(location),
+            Some(naga::Binding::BuiltIn(_)) | None => None,
+        };
+        let known = module.inputs().iter().find(|input| Some(input.location) == location);
+        known.map_or_else(|| argument.name.clone().unwrap_or_default(), |input| input.name.clone())
+    });
+    let inputs = inputs.collect();
+    (function, inputs)
+}
+
+/// The module with zeros for the inputs of its entry point, as no stage before it writes any, and
+/// without the outputs of a fragment stage: the answer is in a buffer.
+pub(super) fn without_interface(mut module: Module) -> Result<Module, Vec<Diagnostic>> {
+    for entry in &mut module.ir.entry_points {
+        let function = &mut entry.function;
+        if entry.stage == naga::ShaderStage::Fragment && function.result.take().is_some() {
+            for statement in function.body.iter_mut() {
+                if let Statement::Return { value } = statement {
+                    *value = None;
+                }
+            }
+        }
+        let arguments = std::mem::take(&mut function.arguments);
+        // What each argument is now: zeros of its type, or an argument of another number.
+        let mut becomes = Vec::new();
+        for argument in arguments {
+            match argument.binding {
+                Some(naga::Binding::Location { .. }) => {
+                    becomes.push(Expression::ZeroValue(argument.ty));
+                }
+                Some(naga::Binding::BuiltIn(_)) | None => {
+                    let number = function.arguments.len() as u32;
+                    becomes.push(Expression::FunctionArgument(number));
+                    function.arguments.push(argument);
+                }
+            }
+        }
+        for (_, expression) in function.expressions.iter_mut() {
+            if let Expression::FunctionArgument(number) = expression {
+                if let Some(new) = becomes.get(*number as usize) {
+                    *expression = new.clone();
+                }
+            }
+        }
+    }
+    module.validated()
+}

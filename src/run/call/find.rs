@@ -1,0 +1,182 @@
+//! Which function is meant: by its name, by its name and types, or by what the arguments fit.
+
+use serde_json::Value;
+
+use super::arguments::{Misfit, words};
+use crate::run::Module;
+use crate::run::eval::{FunctionSignature, Program, Words};
+use crate::run::module::{Direction, FunctionInfo};
+use crate::source::Language;
+
+/// The function that is meant, and its arguments as words.
+#[derive(Debug)]
+pub(super) struct Found<'m> {
+    pub info: &'m FunctionInfo,
+    pub signature: FunctionSignature,
+    /// By parameter; empty for one that is `out`.
+    pub arguments: Vec<Words>,
+}
+
+/// Finds it among the functions of a module.
+pub(super) fn find<'m>(
+    module: &'m Module,
+    program: &Program,
+    meant: &str,
+    arguments: &[Value],
+    language: Language,
+) -> Result<Found<'m>, Misfit> {
+    let (name, types) = match meant.split_once('(') {
+        Some((name, types)) => (name.trim(), Some(bare(types.trim().trim_end_matches(')')))),
+        None => (meant.trim(), None),
+    };
+    let named: Vec<&FunctionInfo> = module.functions().iter().filter(|f| f.name == name).collect();
+    if named.is_empty() {
+        return Err(unknown(module, name));
+    }
+    let fits =
+        |info: &&FunctionInfo| types.as_ref().is_none_or(|types| bare(&listed(info)) == *types);
+    let meant: Vec<&FunctionInfo> = named.iter().copied().filter(fits).collect();
+    let mut wrong = None;
+    let mut found = Vec::new();
+    for info in &meant {
+        match taken(program, info, arguments, language) {
+            Ok(taken) => found.push(taken),
+            // Of several, the one of as many parameters says best what is wrong.
+            Err(misfit) if wrong.is_none() || misfit.code != "wrong-count" => wrong = Some(misfit),
+            Err(_) => {}
+        }
+    }
+    let all =
+        || named.iter().map(|info| format!("`{}`", shown(info))).collect::<Vec<_>>().join(", ");
+    match (found.len(), wrong) {
+        (1, _) => Ok(found.swap_remove(0)),
+        (0, Some(misfit)) if meant.len() == 1 => Err(misfit),
+        (0, Some(misfit)) => Err(Misfit {
+            code: "no-overload",
+            message: format!("no `{name}` takes these arguments: {}", misfit.message),
+            help: Some(format!("there is {}", all())),
+        }),
+        (0, None) => Err(Misfit {
+            code: "unknown-function",
+            message: format!("no function `{name}` has these parameters"),
+            help: Some(format!("there is {}", all())),
+        }),
+        (_, _) => Err(Misfit {
+            code: "ambiguous-function",
+            message: format!("{} functions `{name}` take these arguments", found.len()),
+            help: Some(format!("say which with its types: {}", all())),
+        }),
+    }
+}
+
+/// The arguments as a function takes them.
+fn taken<'m>(
+    program: &Program,
+    info: &'m FunctionInfo,
+    given: &[Value],
+    language: Language,
+) -> Result<Found<'m>, Misfit> {
+    let cannot = |message: String| Misfit { code: "cannot-call", message, help: None };
+    let signature = program.signature(info.handle.index()).map_err(|what| {
+        let shown = shown(info);
+        cannot(format!("`{shown}` cannot be called: the evaluator does not know {what}"))
+    })?;
+    let Some(signature) = signature else {
+        let words = ["sampler", "texture", "image"];
+        let opaque = info.parameters.iter().find(|p| words.iter().any(|w| p.ty.contains(w)));
+        let which = opaque.map_or("a parameter is no".to_string(), |p| {
+            format!("`{}` is a `{}`, which is no", p.name, p.ty)
+        });
+        return Err(cannot(format!("`{}` cannot be called: {which} plain value", shown(info)))
+            .with_help("call the function that calls it"));
+    };
+    let is_out =
+        |at: &usize| info.parameters.get(*at).is_some_and(|p| p.direction == Direction::Out);
+    let all = signature.parameters.len();
+    let outs = (0..all).filter(is_out).count();
+    let mut given: Vec<Option<&Value>> = given.iter().map(Some).collect();
+    if given.len() == all - outs && outs > 0 {
+        // Those that are only `out` were left out.
+        (0..all).filter(is_out).for_each(|at| given.insert(at, None));
+    }
+    if given.len() != all {
+        return Err(Misfit {
+            code: "wrong-count",
+            message: format!(
+                "`{}` takes {}, and {} given",
+                shown(info),
+                match all {
+                    1 => "1 argument".to_string(),
+                    _ => format!("{all} arguments"),
+                },
+                match given.len() {
+                    0 => "none is".to_string(),
+                    1 => "1 is".to_string(),
+                    given => format!("{given} are"),
+                }
+            ),
+            help: Some(format!("it is `{}`", declared(info))),
+        });
+    }
+    let mut arguments = Vec::with_capacity(all);
+    for (at, (parameter, value)) in signature.parameters.iter().zip(given).enumerate() {
+        let value = value.filter(|value| !(is_out(&at) && value.is_null()));
+        let mut flat = Vec::new();
+        if let Some(value) = value {
+            words(&parameter.ty, value, &format!("args[{at}]"), language, &mut flat)?;
+        } else {
+            flat.resize(parameter.ty.scalars().len(), 0);
+        }
+        arguments.push(flat.into_iter().map(|word| vec![word]).collect());
+    }
+    Ok(Found { info, signature, arguments })
+}
+
+fn unknown(module: &Module, name: &str) -> Misfit {
+    let names = || module.functions().iter().map(|function| function.name.as_str());
+    let near = crate::parse::nearest(name, names());
+    let about = |text: &str| text.contains(&format!("`{name}`"));
+    let left_out = module.left_out().iter().find(|found| about(&found.message));
+    let all: Vec<String> =
+        module.functions().iter().filter(|f| f.name != "main").map(shown).collect();
+    let list = match all.is_empty() {
+        true => "it has none that can be called".to_string(),
+        false => format!("it has `{}`", all.join("`, `")),
+    };
+    Misfit {
+        code: "unknown-function",
+        message: format!("the shader has no function `{name}`"),
+        help: Some(match (left_out, near) {
+            (Some(why), _) => format!("it cannot run: {}", why.message),
+            (None, Some(near)) => format!("did you mean `{near}`? {list}"),
+            (None, None) => list,
+        }),
+    }
+}
+
+/// `phong(vec3, Light)`.
+pub(super) fn shown(info: &FunctionInfo) -> String {
+    format!("{}({})", info.name, listed(info))
+}
+
+fn listed(info: &FunctionInfo) -> String {
+    info.parameters.iter().map(|p| p.ty.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// `phong(vec3 normal, Light light)`.
+fn declared(info: &FunctionInfo) -> String {
+    let parameters = info.parameters.iter().map(|p| {
+        let way = match p.direction {
+            Direction::In => "",
+            Direction::Out => "out ",
+            Direction::InOut => "inout ",
+        };
+        format!("{way}{} {}", p.ty, p.name).trim_end().to_string()
+    });
+    format!("{}({})", info.name, parameters.collect::<Vec<_>>().join(", "))
+}
+
+/// Types without spaces, as they are compared.
+fn bare(types: &str) -> String {
+    types.chars().filter(|c| !c.is_whitespace()).collect()
+}

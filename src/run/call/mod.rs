@@ -1,0 +1,346 @@
+//! Calls one function of a shader, with arguments and block contents from JSON.
+//!
+//! Takes a shader's text; the evaluator runs the function in `f32` and `f64` side by side, and a
+//! driver, where one is asked, runs it too. Gives a [`CallReport`].
+
+mod arguments;
+mod caller;
+mod driver;
+mod find;
+pub(crate) mod report;
+
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use self::caller::Caller;
+use self::find::Found;
+pub use self::report::{CallReport, Given, GivenScalar};
+use super::bound::{self, Data};
+use super::eval::{Call, Called, Cpu, FunctionSignature, Precision, Program, Settings, Words};
+use super::glsl::reach;
+use super::module::Direction;
+use super::reader::{Failure, Reader};
+use super::{Module, verify};
+use crate::source::{Files, Source};
+use crate::{Diagnostic, Options, Severity};
+
+/// What is to be called, and with what.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The function: `phong`, or `phong(vec3, Light)` where several have the name.
+    pub function: String,
+    /// Its arguments by position.
+    pub arguments: Vec<Value>,
+    /// What blocks hold; the others are zero.
+    pub data: Data,
+    /// Colours of textures by name; the others are white.
+    pub textures: Vec<(String, [f32; 4])>,
+    /// Values of the shader's inputs by name, for the evaluator alone; the others are zero.
+    pub inputs: Vec<(String, Value)>,
+    /// Who is not done by then has failed.
+    pub limit: Duration,
+}
+
+impl Default for Request {
+    fn default() -> Request {
+        Request {
+            function: String::new(),
+            arguments: Vec::new(),
+            data: Data::new(),
+            textures: Vec::new(),
+            inputs: Vec::new(),
+            limit: Duration::from_secs(20),
+        }
+    }
+}
+
+/// Why there is no answer, and the files its places are in.
+#[derive(Clone, Debug)]
+pub struct Refusal {
+    /// What is wrong with the shader, the request, or the run.
+    pub found: Vec<Diagnostic>,
+    /// The shader's files.
+    pub files: Files,
+}
+
+/// Calls a function: by the evaluator, and by a driver where `reader` is one.
+///
+/// # Errors
+/// A shader that does not run; a function or a block it does not have; arguments that do not
+/// fit; a run that did not end.
+pub fn call(
+    source: &Source,
+    options: &Options,
+    request: &Request,
+    reader: Option<&mut dyn Reader>,
+) -> Result<CallReport, Refusal> {
+    let options = &Options { gather: true, naga: false, ..options.clone() };
+    let module = Module::new(source, options)
+        .map_err(|found| Refusal { found, files: crate::layout(source, options).files })?;
+    let refused =
+        |found: Box<Diagnostic>| Refusal { found: vec![*found], files: module.files().clone() };
+    let job = Job { source, options, request, module: &module };
+    job.run(reader).map_err(refused)
+}
+
+/// One call while it is made.
+struct Job<'a> {
+    source: &'a Source,
+    options: &'a Options,
+    request: &'a Request,
+    module: &'a Module,
+}
+
+/// What the evaluator gave.
+struct Evaluated {
+    called: Called,
+    /// Names of blocks it read that have no values.
+    blank: Vec<String>,
+    textured: bool,
+}
+
+impl Job<'_> {
+    fn run(&self, reader: Option<&mut dyn Reader>) -> Result<CallReport, Box<Diagnostic>> {
+        let Job { source, request, module, .. } = self;
+        let language = source.language;
+        let program = Program::new(module, &[]);
+        let given = &request.arguments;
+        let found = find::find(module, &program, &request.function, given, language)
+            .map_err(|misfit| self.misfit(misfit))?;
+        let caller = caller::caller(module, found.info.handle)
+            .map_err(|mut all| Box::new(all.swap_remove(0)))?;
+        if let (Some(reader), Some((name, _))) = (&reader, request.inputs.first()) {
+            let reader = reader.device().reader;
+            if reader != "cpu" {
+                let message = format!("`{name}` is an input, and {reader} has none but zeros");
+                let help = Some("`--reader cpu` takes inputs".to_string());
+                return Err(Box::new(finding("no-inputs", message, help, "--input")));
+            }
+        }
+        let evaluated = self.evaluate(&caller, &found)?;
+        let mut notes = Vec::new();
+        let driver = reader.filter(|reader| reader.device().reader != "cpu");
+        let (device, answered) = match driver {
+            Some(reader) => {
+                let device = reader.device().clone();
+                let answered = driver::run(self.source, self.options, request, &found, reader)
+                    .map_err(|failure| failed(device.reader, &failure))?;
+                (device, Some(answered))
+            }
+            None => (Cpu::default().device().clone(), None),
+        };
+        let evaluated = match (evaluated, &answered) {
+            (Ok(evaluated), _) => Some(evaluated),
+            (Err(failure), None) => return Err(failed("cpu", &failure)),
+            (Err(failure), Some(_)) => {
+                notes.push(format!("there is no f64 to compare with: {}", failure.message));
+                None
+            }
+        };
+        if let Some(evaluated) = &evaluated {
+            self.assumed(evaluated, &mut notes);
+        }
+        self.assumed_inputs(&caller, &found, answered.is_some(), &mut notes);
+        let called = evaluated.as_ref().map(|evaluated| &evaluated.called);
+        let base = caller.inputs.len();
+        let first = |words: &Words| -> Vec<u64> { words.iter().map(|lanes| lanes[0]).collect() };
+        let answered = answered.as_ref();
+        let result = found.signature.result.as_ref().and_then(|ty| {
+            let numbers = called.map(|called| &called.result);
+            let own = numbers.map(|numbers| first(&numbers.words));
+            let words = answered.map(|answered| answered.result.clone()).or(own)?;
+            Some(Given::new(ty, language, &words, numbers))
+        });
+        let mut parameters = Vec::new();
+        for (at, parameter) in found.signature.parameters.iter().enumerate() {
+            if !parameter.returned {
+                continue;
+            }
+            let numbers = called.and_then(|called| called.returned.get(base + at)?.as_ref());
+            let own = numbers.map(|numbers| first(&numbers.words));
+            let words = answered.map(|answered| answered.parameters[at].clone()).or(own);
+            let Some(words) = words else { continue };
+            let way = found.info.parameters.get(at).map_or(Direction::InOut, |p| p.direction);
+            let given = Given::new(&parameter.ty, language, &words, numbers);
+            parameters.push((parameter.name.clone(), way, given));
+        }
+        let counts = called.map(|called| called.notes.counts.operations());
+        Ok(CallReport {
+            path: source.path.clone(),
+            function: find::shown(found.info),
+            reader: device,
+            result,
+            parameters,
+            discarded: called.is_some_and(|called| called.discarded.contains(&true)),
+            operations: counts,
+            undefined: called.map(|called| called.notes.undefined.clone()).unwrap_or_default(),
+            notes,
+            files: module.files().clone(),
+        })
+    }
+
+    /// Runs it in the evaluator. What is wrong with the request is an error; what is wrong with
+    /// the run may be left to a driver.
+    fn evaluate(
+        &self,
+        caller: &Caller,
+        found: &Found<'_>,
+    ) -> Result<Result<Evaluated, Failure>, Box<Diagnostic>> {
+        let Job { source, request, .. } = self;
+        let module = &caller.module;
+        let bytes = bound::blocks(module, &request.data, bound::zeros)?;
+        let files = module.files();
+        let writable = |block: &_| verify::access::writable(block, files, source.language);
+        let resources = bound::resources(module, bytes, writable, &request.textures);
+        let program = Program::new(module, &[]);
+        let number = module.ir.functions.len() - 1;
+        let signature = match program.signature(number) {
+            Ok(Some(signature)) => signature,
+            Ok(None) => return Ok(Err(Failure::refused("a parameter is no plain value", ""))),
+            Err(what) => {
+                let message = format!("the evaluator does not know {what}");
+                return Ok(Err(Failure::refused(message, "")));
+            }
+        };
+        let mut arguments = self.inputs(caller, &signature)?;
+        arguments.extend(found.arguments.iter().cloned());
+        let call = Call { function: caller::NAME, lanes: 1, arguments, resources: &resources };
+        let settings = Settings {
+            precision: Precision::Both,
+            watch: true,
+            deadline: Instant::now().checked_add(request.limit),
+            threads: 1,
+            ..Settings::default()
+        };
+        let called = match program.call(&call, &settings) {
+            Ok(called) => called,
+            Err(failure) => return Ok(Err(failure)),
+        };
+        let blocks = module.blocks().iter().zip(&called.notes.read);
+        let mut blank: Vec<String> = blocks
+            .filter(|(block, read)| {
+                read.contains(&true) && bound::given(&request.data, block).is_none()
+            })
+            .map(|(block, _)| block.layout.name.to_string())
+            .collect();
+        blank.dedup();
+        let textured = called.notes.counts.textures > 0;
+        Ok(Ok(Evaluated { called, blank, textured }))
+    }
+
+    /// The values of the shader's inputs.
+    fn inputs(
+        &self,
+        caller: &Caller,
+        signature: &FunctionSignature,
+    ) -> Result<Vec<Words>, Box<Diagnostic>> {
+        let known = &caller.inputs;
+        if let Some((name, _)) = self.request.inputs.iter().find(|(name, _)| !known.contains(name))
+        {
+            let all: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
+            return Err(Box::new(finding(
+                "unknown-input",
+                format!("the shader reads no input `{name}`"),
+                (!all.is_empty()).then(|| format!("it reads {}", all.join(", "))),
+                "--input",
+            )));
+        }
+        let language = self.source.language;
+        let each = known.iter().zip(&signature.parameters).map(|(name, parameter)| {
+            let given = self.request.inputs.iter().find(|(given, _)| given == name);
+            let mut words = Vec::new();
+            match given {
+                Some((_, value)) => {
+                    arguments::words(&parameter.ty, value, name, language, &mut words)
+                        .map_err(|m| Box::new(finding(m.code, m.message, m.help, "--input")))?;
+                }
+                None => words.resize(parameter.ty.scalars().len(), 0),
+            }
+            Ok(words.into_iter().map(|word| vec![word]).collect())
+        });
+        each.collect()
+    }
+
+    /// What was taken for what nobody gave.
+    fn assumed(&self, evaluated: &Evaluated, notes: &mut Vec<String>) {
+        for name in &evaluated.blank {
+            notes.push(format!("it reads `{name}`, which is zero: --data gives it values"));
+        }
+        if evaluated.textured {
+            let mut names: Vec<&str> = Vec::new();
+            for handle in self.module.handles() {
+                let given = self.request.textures.iter().any(|(name, _)| {
+                    handle
+                        .path
+                        .strip_prefix(name.as_str())
+                        .is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
+                });
+                if !given && !names.contains(&handle.path.as_str()) {
+                    names.push(&handle.path);
+                }
+            }
+            if !names.is_empty() {
+                let names = names.join("`, `");
+                notes.push(format!("`{names}` is white: --texture gives a colour"));
+            }
+        }
+    }
+
+    fn assumed_inputs(
+        &self,
+        caller: &Caller,
+        found: &Found<'_>,
+        driver: bool,
+        notes: &mut Vec<String>,
+    ) {
+        let reached = reach::variables(&self.module.ir, found.info.handle);
+        let mut names: Vec<&str> = self
+            .module
+            .ir
+            .global_variables
+            .iter()
+            .filter(|(handle, _)| reached.contains(handle))
+            .filter_map(|(_, variable)| variable.name.as_deref())
+            .filter(|name| caller.inputs.iter().any(|input| input == name))
+            .filter(|name| driver || !self.request.inputs.iter().any(|(given, _)| given == name))
+            .collect();
+        names.dedup();
+        if names.is_empty() {
+            return;
+        }
+        let list = names.join("`, `");
+        notes.push(match driver {
+            true => format!("it reads `{list}`, which are zero: `--reader cpu` takes --input"),
+            false => format!("it reads `{list}`, which are zero: --input gives values"),
+        });
+    }
+
+    fn misfit(&self, misfit: arguments::Misfit) -> Box<Diagnostic> {
+        let about = match misfit.code {
+            "unknown-function" | "ambiguous-function" | "cannot-call" => self.source.path.as_str(),
+            _ => "--args",
+        };
+        Box::new(finding(misfit.code, misfit.message, misfit.help, about))
+    }
+}
+
+fn failed(reader: &str, failure: &Failure) -> Box<Diagnostic> {
+    let message = format!("{reader}: {}", failure.message);
+    let mut found = finding("cannot-run", message, None, "");
+    found.path = None;
+    found.notes = failure.log.lines().take(6).map(str::to_string).collect();
+    Box::new(found)
+}
+
+fn finding(code: &'static str, message: String, help: Option<String>, about: &str) -> Diagnostic {
+    Diagnostic {
+        code,
+        severity: Severity::Error,
+        message,
+        path: Some(about.to_string()),
+        labels: Vec::new(),
+        notes: Vec::new(),
+        help,
+    }
+}

@@ -1,0 +1,193 @@
+//! `landfall run` from outside: what it prints, and what it says about arguments that do not fit.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// One function of each kind of parameter; `gain` is loose, `scale` is initialised by the shader.
+const SHADER: &str = "#version 330
+uniform float gain;
+uniform sampler2D tex;
+in vec3 v_normal;
+out vec4 colour;
+float scale = 2.5;
+struct Light { vec3 color; float power; };
+float third(float x) { return x / 3.0; }
+float third(int x) { return float(x) / 3.0; }
+void split(vec3 v, out float len, inout vec3 dir) { len = length(v); dir = dir * gain * scale; }
+vec3 direction(vec3 v) {
+    return normalize(v);
+}
+vec3 lit(Light light, mat2 turn) { return light.color * light.power + turn[1].x * v_normal; }
+vec4 look(vec2 uv) { return texture(tex, uv); }
+vec3 with(sampler2D t) { return texture(t, vec2(0)).rgb; }
+void main() {
+    float l; vec3 d = v_normal; split(v_normal, l, d);
+    vec3 sum = d + direction(d) + lit(Light(d, l), mat2(1)) + with(tex) + third(1.0) + third(1);
+    colour = vec4(sum, 1) + look(vec2(0));
+}
+";
+
+fn shader(name: &str, text: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_run");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn run(path: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    command.arg("run").arg(path).args(arguments).env("NO_COLOR", "1");
+    command.output().expect("the binary was built for this test")
+}
+
+fn ran(path: &Path, arguments: &[&str]) -> String {
+    let output = run(path, arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn refused(path: &Path, arguments: &[&str]) -> String {
+    let output = run(path, arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// The row of a name: what stands in its columns.
+fn row<'t>(text: &'t str, name: &str) -> Vec<&'t str> {
+    let rows = text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let mut found = rows.filter(|columns| columns.first() == Some(&name));
+    let row = found.next().unwrap_or_else(|| panic!("no {name} in\n{text}"));
+    row[1..].to_vec()
+}
+
+#[test]
+fn a_third_is_printed_in_both_precisions_with_its_error() {
+    let path = shader("third.frag", SHADER);
+    let text = ran(&path, &["--fn", "third(float)", "--args", "[1]"]);
+    // 1/3 in f32 is a third of a unit off, in f64 the shortest digits that read back.
+    assert_eq!(row(&text, "result"), ["0.33333334", "0.3333333333333333", "0.33"]);
+}
+
+#[test]
+fn every_reader_gives_back_out_and_inout_parameters() {
+    let path = shader("split.frag", SHADER);
+    for reader in ["cpu", "gl", "gpu"] {
+        let data = r#"{"DefaultBlock": {"gain": 2}}"#;
+        let arguments = ["--fn", "split", "--args", "[[3, 4, 0], [1, 2, -3]]", "--data", data];
+        let text = ran(&path, &[&arguments[..], &["--reader", reader]].concat());
+        // 3-4-5; and each component times gain 2 times scale 2.5.
+        assert_eq!(row(&text, "len")[..2], ["5.0", "5.0"], "{reader}");
+        for (name, value) in [("dir.x", "5.0"), ("dir.y", "10.0"), ("dir.z", "-15.0")] {
+            assert_eq!(row(&text, name), [value, value, "0.00"], "{reader}");
+        }
+    }
+}
+
+#[test]
+fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
+    let path = shader("assumed.frag", SHADER);
+    for reader in ["cpu", "gl", "gpu"] {
+        let call = ["--fn", "look", "--args", "[[0, 0]]", "--reader", reader];
+        let text = ran(&path, &call);
+        assert_eq!(row(&text, "result.y")[0], "1.0", "{reader}");
+        assert!(text.contains("`tex` is white"), "{text}");
+        let text = ran(&path, &[&call[..], &["--texture", "tex=[1, 0.5, 0.25, 1]"]].concat());
+        assert_eq!(row(&text, "result.y")[0], "0.5", "{reader}");
+        assert!(!text.contains("white"), "{text}");
+    }
+    let light = r#"[{"color": [1, 2, 3], "power": 2}, [[0, 0], [1, 0]]]"#;
+    for reader in ["cpu", "gl", "gpu"] {
+        let text = ran(&path, &["--fn", "lit", "--args", light, "--reader", reader]);
+        assert_eq!(row(&text, "result.z")[0], "6.0", "{reader}");
+        assert!(text.contains("it reads `v_normal`, which are zero"), "{text}");
+    }
+    let text = ran(&path, &["--fn", "lit", "--args", light, "--input", "v_normal=[0, 0, 0.5]"]);
+    assert_eq!(row(&text, "result.z")[0], "6.5");
+}
+
+#[test]
+fn an_undefined_operation_is_named_with_its_place() {
+    let path = shader("zero.frag", SHADER);
+    let output = run(&path, &["--fn", "direction", "--args", "[[0, 0, 0]]"]);
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("normalised zero vector"), "{said}");
+    let line = SHADER.lines().position(|line| line.contains("normalize")).unwrap() + 1;
+    assert!(said.contains(&format!("zero.frag:{line}:12")), "{said}");
+    assert!(said.contains("return normalize(v);"), "{said}");
+}
+
+#[test]
+fn what_does_not_fit_is_said_with_its_place_in_the_json() {
+    let path = shader("misfits.frag", SHADER);
+    for (function, arguments, words) in [
+        ("direktion", "[]", "did you mean `direction`?"),
+        ("direction", "[]", "`direction(vec3)` takes 1 argument, and none is given"),
+        ("direction", "[[1, 2]]", "`args[0]`: `vec3` wants an array of 3 numbers"),
+        ("direction", "[[1, 2, 1e99]]", "`args[0][2]`: 1e+99 does not fit `float`"),
+        ("direction", "[[1, 2", "`--args` is not JSON"),
+        ("lit", r#"[{"color": [1, 2, "x"], "power": 1}, 0]"#, "`args[0].color[2]`: `float`"),
+        ("lit", r#"[{"color": [1, 2, 3], "powr": 1}, 0]"#, "`args[0].power` is not given"),
+        ("third", "[1]", "2 functions `third` take these arguments"),
+        ("third(bool)", "[1]", "no function `third` has these parameters"),
+        ("with", "[1]", "`t` is a `sampler2D`"),
+    ] {
+        let said = refused(&path, &["--fn", function, "--args", arguments]);
+        assert!(said.contains(words), "{function} {arguments}: {said}");
+    }
+    let data = r#"{"DefaultBlok": {}}"#;
+    let said = refused(&path, &["--fn", "third(int)", "--args", "[1]", "--data", data]);
+    assert!(said.contains("did you mean `DefaultBlock`?"), "{said}");
+}
+
+#[test]
+fn a_loop_without_an_end_is_stopped() {
+    let text = "#version 450\nfloat spin(float x) { for (;;) { x += 1.0; if (x < 0.0) break; } \
+                return x; }\nvoid main() { spin(1.0); }\n";
+    let path = shader("spin.frag", text);
+    let said = refused(&path, &["--fn", "spin", "--args", "[1]", "--limit", "2"]);
+    assert!(said.contains("loop"), "{said}");
+}
+
+#[test]
+fn json_holds_to_its_schema() {
+    let schema = Command::new(env!("CARGO_BIN_EXE_landfall")).args(["schema", "run"]).output();
+    let schema: Value = serde_json::from_slice(&schema.unwrap().stdout).unwrap();
+    let validator = jsonschema::validator_for(&schema).unwrap();
+    let path = shader("json.frag", SHADER);
+    for arguments in [
+        &["--fn", "direction", "--args", "[[0, 0, 0]]"][..],
+        &["--fn", "split", "--args", r#"[["nan", "inf", 0], [1, 2, 3]]"#],
+        &["--fn", "third(int)", "--args", "[1]", "--reader", "gl"],
+    ] {
+        let text = ran(&path, &[arguments, &["--format", "json"]].concat());
+        let value: Value = serde_json::from_str(&text).unwrap();
+        let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
+        assert!(errors.is_empty(), "{}\n{text}", errors.join("\n"));
+        assert!(text.ends_with('\n'));
+    }
+}
+
+#[test]
+fn wgsl_pointers_come_back() {
+    let text = "struct B { n: u32, gain: f32 }\n@group(0) @binding(0) var<uniform> b: B;\n\
+                fn twice(k: vec2<f32>, to: ptr<function, vec2<f32>>) -> u32 {\n\
+                *to = k * 2.0 * b.gain; return b.n; }\n\
+                @compute @workgroup_size(1) fn main() { var v: vec2<f32>; _ = twice(v, &v); }\n";
+    let path = shader("twice.wgsl", text);
+    let data = r#"{"B": {"n": 7, "gain": 0.5}}"#;
+    for reader in ["cpu", "gpu"] {
+        let text = ran(
+            &path,
+            &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--data", data, "--reader", reader],
+        );
+        assert_eq!((row(&text, "result")[0], row(&text, "to.y")[0]), ("7", "4.0"), "{reader}");
+    }
+    let said = refused(&path, &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--reader", "gl"]);
+    assert!(said.contains("OpenGL takes no WGSL"), "{said}");
+}
