@@ -152,7 +152,7 @@ fn generated(number: usize) -> Source {
     );
     for member in 0..2 {
         let ty = TYPES[(number / 7usize.pow(member) + member as usize) % TYPES.len()];
-        let count = if number % 10 == 0 { 2 } else { 1 };
+        let count = if number.is_multiple_of(10) { 2 } else { 1 };
         let array = if count > 1 { format!("[{count}]") } else { String::new() };
         text += &format!("  {ty} m{member}{array};\n");
     }

@@ -217,8 +217,8 @@ impl Job<'_> {
             let subject = Subject { source: &source, options, shader: &shader };
             if let Some(LockFile { path, bytes }) = lock {
                 match bytes.and_then(|bytes| drift(&shader, &path, bytes)) {
-                    Ok((hash, old, drifted)) => {
-                        let mut drifted = run::at_levels(drifted, settings);
+                    Ok(Against { hash, lock: old, found }) => {
+                        let mut drifted = run::at_levels(found, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
                         if self.accept && drifted.iter().any(is_drift) {
@@ -300,22 +300,26 @@ fn is_drift(finding: &Finding) -> bool {
     finding.code == "layout-drift" || finding.code == "lock-missing"
 }
 
-/// What has drifted from a lock, the lock, and the hash of its bytes. One that cannot be read, a
+/// A shader against its lock: the hash of the lock's bytes, the lock, and what has drifted.
+struct Against {
+    hash: Option<u64>,
+    lock: Option<Lock>,
+    found: Vec<Finding>,
+}
+
+/// Holds a shader against its lock. One that cannot be read, a
 /// newer landfall's among them, is an error, so that nothing is written over it.
-fn drift(
-    shader: &ShaderLayout,
-    path: &Path,
-    bytes: Option<Vec<u8>>,
-) -> Result<(Option<u64>, Option<Lock>, Vec<Finding>), Error> {
+fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<Against, Error> {
     let shown = crate::config::slashes(path);
     let Some(bytes) = bytes else {
-        return Ok((None, None, lock::drift(shader, &shown, None)));
+        let found = lock::drift(shader, &shown, None);
+        return Ok(Against { hash: None, lock: None, found });
     };
     let hash = fnv(&bytes);
     let text = source::decode(&shown, bytes)?;
     let lock = lock::read(&shown, &text)?;
     let found = lock::drift(shader, &shown, Some(&lock));
-    Ok((Some(hash), Some(lock), found))
+    Ok(Against { hash: Some(hash), lock: Some(lock), found })
 }
 
 fn read(path: &Path, shown: &str) -> Result<Vec<u8>, Error> {
