@@ -27,7 +27,7 @@ fn report(reads: &[String], causes: &str) -> String {
     format!(
         r#"{{"schema_version":1,"tool":{{"name":"landfall","version":"0.1.0"}},"readers":[],
         "shaders":[{{"path":"a.frag","language":"glsl","blocks":[{{"name":"Light",
-        "instance":"light","rules":"std140","buffer":16,"leaves":2,"readers":[{{"reader":"gl",
+        "instance":"light","rules":"std140","size":16,"leaves":2,"readers":[{{"reader":"gl",
         "stage":"fragment","form":"original","outcome":"disagrees","reads":[{reads}],
         "causes":[{causes}]}}],"unprobed":[]}}]}}]}}"#
     )

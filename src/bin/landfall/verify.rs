@@ -204,7 +204,9 @@ impl Run<'_> {
         if self.args.format == VerifyFormat::Json {
             self.streams.product(print::json_closing(self.counts.shaders))?;
         }
-        self.streams.notes(&print::summary(&self.counts));
+        if self.counts.shaders > 0 {
+            self.streams.notes(&print::summary(&self.counts));
+        }
         Ok(if self.could_not || self.counts.failed > 0 {
             Outcome::CouldNot
         } else if self.counts.elsewhere > 0 {
