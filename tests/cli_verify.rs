@@ -193,3 +193,56 @@ fn the_evaluator_needs_no_driver() {
         assert!(shown(&output.stdout).contains("cpu ✓"));
     }
 }
+
+/// SPIR-V of a text, made by glslang.
+fn compiled(folder: &Path, name: &str, text: &str) -> String {
+    std::fs::write(folder.join(name), text).unwrap();
+    let output = format!("{name}.spv");
+    let made = Command::new("glslangValidator")
+        .current_dir(folder)
+        .args(["-V", name, "-o", &output])
+        .output()
+        .expect("glslangValidator: apt-get install glslang-tools");
+    assert!(made.status.success(), "{}", shown(&made.stdout));
+    output
+}
+
+#[test]
+fn decorations_of_a_compilers_module_are_held_against_the_layout() {
+    let folder = folder("spirv");
+    let text = "#version 450
+        struct Light { vec3 position; float power; mat3x2 frame; };
+        layout(std140, binding = 0) uniform B {
+            float time; Light lights[3]; float weights[2][3]; layout(row_major) mat4x3 bones;
+        } u;
+        layout(location = 0) out vec4 colour;
+        void main() { colour = vec4(u.time); }
+    ";
+    let spirv = compiled(&folder, "a.frag", text);
+    let verify = ["verify", "a.frag", "--reader", "cpu", "--spirv", &spirv, "--format", "json"];
+    let outcomes = |output: &Output| -> Value {
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        report["shaders"][0]["blocks"][0]["readers"][1].clone()
+    };
+    let same = landfall(&folder, &verify);
+    let reader = outcomes(&same);
+    assert_eq!((&reader["reader"], &reader["outcome"]), (&"spirv".into(), &"confirmed".into()));
+    assert!(reader["reads"].as_array().unwrap().len() > 12, "{reader}");
+    assert_eq!(same.status.code(), Some(0), "{}", shown(&same.stderr));
+    // The shader has changed since it was compiled.
+    let changed = text.replace("vec3 position; float power;", "vec3 position; vec2 power;");
+    std::fs::write(folder.join("a.frag"), changed).unwrap();
+    let stale = landfall(&folder, &verify);
+    let reader = outcomes(&stale);
+    assert_eq!(reader["outcome"], "disagrees");
+    let reads = reader["reads"].as_array().unwrap();
+    let power = reads.iter().find(|read| read["path"] == "lights[0].power").unwrap();
+    // std140: a float follows a vec3 at 12, a vec2 is aligned to 8; the array starts at 16.
+    assert_eq!((&power["byte_read"], &power["expected_byte"]), (&28.into(), &32.into()));
+    assert_eq!(stale.status.code(), Some(1));
+    // What is no SPIR-V.
+    std::fs::write(folder.join("junk.spv"), [7u8; 64]).unwrap();
+    let junk = landfall(&folder, &["verify", "a.frag", "--reader", "cpu", "--spirv", "junk.spv"]);
+    assert_eq!(junk.status.code(), Some(2));
+    assert!(shown(&junk.stderr).contains("no SPIR-V"), "{}", shown(&junk.stderr));
+}

@@ -21,12 +21,21 @@ const DIET: Diet = Diet {
     scalars: &[
         support::blocks::Scalar::Float,
         support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
         support::blocks::Scalar::Int,
         support::blocks::Scalar::Uint,
         support::blocks::Scalar::Bool,
         support::blocks::Scalar::Double,
     ],
-    matrices: &[support::blocks::Scalar::Float, support::blocks::Scalar::Double],
+    // Drivers take seconds to compile shaders that are mostly double matrices.
+    matrices: &[
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Double,
+    ],
     push_constant: false,
 };
 

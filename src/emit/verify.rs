@@ -17,7 +17,7 @@ use crate::run::verify::report::{
     Attendance, BlockReport, ElementReport, Form, Outcome, ReaderReport, ShaderReport,
 };
 
-/// The JSON Schema of [`json`].
+/// The JSON Schema of `verify --format json`.
 pub const VERIFY_SCHEMA: &str = include_str!("schema/verify.json");
 
 /// Elements of one leaf that are shown where a reader disagrees.
@@ -315,6 +315,7 @@ impl Form {
             Form::Ported => "the text ported, its loose uniforms in a block",
             Form::Module => "a module with landfall's offsets",
             Form::Naga => "a module as naga makes it",
+            Form::Spirv => "a module of the user's own compiler",
         }
     }
 }

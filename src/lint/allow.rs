@@ -1,7 +1,7 @@
 //! `// landfall: allow(code)` and `allow-file(code)` in the comments of a shader and its includes.
 //!
 //! Read from the texts behind a [`ShaderLayout`](crate::ShaderLayout); obeyed by
-//! [`run`](super::run). Plain data with paths and lines, so that what a comment
+//! [`run`]. Plain data with paths and lines, so that what a comment
 //! suppressed can be cached, and gathered from several runs.
 
 use std::ops::Range;

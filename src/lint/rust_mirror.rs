@@ -1,8 +1,8 @@
 //! `rust-mirror` and `rust-mirror-unknown`: hand-written `#[repr(C)]` structures
 //! held against the blocks they are copies of.
 //!
-//! [`file`] reads the Rust text, [`types`] lays it out as rustc does, [`compare`]
-//! and [`fit`] hold it against what [`layout`](mod@crate::layout) says.
+//! [`file`] reads the Rust text, `types` lays it out as rustc does, `compare`
+//! and `fit` hold it against what [`layout`](mod@crate::layout) says.
 
 mod compare;
 mod file;

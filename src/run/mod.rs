@@ -24,6 +24,7 @@ pub mod reader;
 pub mod reflection;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 pub mod remote;
+pub mod spirv;
 pub mod verify;
 mod wgsl;
 

@@ -1,6 +1,6 @@
 //! A shader as naga IR whose offsets, array strides and sizes are landfall's, validated.
 //!
-//! Fed by [`glsl`](super::glsl) for GLSL of any version and by naga's own front
+//! Fed by `glsl` for GLSL of any version and by naga's own front
 //! end for WGSL. Feeds the evaluator and wgpu.
 
 use std::panic::{self, AssertUnwindSafe};

@@ -8,8 +8,9 @@ use landfall::lock::{self, Verified};
 use landfall::run::bound::Data;
 use landfall::run::coverage::coverage;
 use landfall::run::reader::Device;
+use landfall::run::spirv;
 use landfall::run::verify::report::{Attendance, Outcome as Seen, ShaderReport};
-use landfall::run::verify::{Subject, VerifyOptions, verify};
+use landfall::run::verify::{Subject, VerifyOptions, hold_spirv, verify};
 use landfall::source::Files;
 use landfall::{BlockLayout, Diagnostic, Error};
 
@@ -47,6 +48,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         counts: Counts::default(),
         could_not: false,
         data: data::blocks(args.data.as_deref())?,
+        spirv: args.spirv.as_deref().map(compiled).transpose()?,
     };
     match args.format {
         VerifyFormat::Human => {
@@ -58,6 +60,16 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         run.one(input, &mut readers)?;
     }
     run.finish()
+}
+
+/// The words of a SPIR-V file.
+fn compiled(path: &Path) -> Result<Vec<u32>, Error> {
+    let words = spirv::words(&read::bytes(path)?);
+    words.map_err(|failure| Error::new(read::shown(path), failure.message))
+}
+
+fn of_failure(failure: landfall::run::reader::Failure) -> Error {
+    Error::new("--spirv", failure.message)
 }
 
 /// The blocks of a lock or of the output of `layout --format json`.
@@ -104,6 +116,8 @@ struct Run<'a> {
     counts: Counts,
     could_not: bool,
     data: Data,
+    /// The words of `--spirv`.
+    spirv: Option<Vec<u32>>,
 }
 
 impl Run<'_> {
@@ -127,6 +141,9 @@ impl Run<'_> {
             }
         };
         let mut report = verify(&subject, &self.options, &mut readers.here);
+        if let Some(words) = &self.spirv {
+            hold_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
+        }
         if self.args.coverage {
             let limit = self.options.limit;
             match coverage(&source, &self.options.layout, &self.data, limit) {

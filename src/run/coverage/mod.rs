@@ -1,6 +1,6 @@
 //! Which bytes of its blocks a shader never reads.
 //!
-//! Takes a shader's text. What no instruction could load is certain ([`reach`]); beyond that the
+//! Takes a shader's text. What no instruction could load is certain (`reach`); beyond that the
 //! shader's own entry points are run by the evaluator over a small grid, with the contents of
 //! its blocks given or made up, and what they read is noted. Feeds `landfall verify --coverage`.
 

@@ -1,6 +1,6 @@
 //! From the words that came back to the bytes that were read.
 //!
-//! Reads a [`Plan`] and the [`words`](super::words) its runs returned.
+//! Reads a [`Plan`] and the [`words`] its runs returned.
 
 use super::plan::{Plan, Read, Way};
 use super::words;

@@ -116,7 +116,7 @@ pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
             for_gl(need, &source, &text)
         }
         Form::Ported => ported(need),
-        Form::Module | Form::Naga => module(need, form),
+        Form::Module | Form::Naga | Form::Spirv => module(need, form),
     }
 }
 
@@ -221,7 +221,9 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
     let options = Options { gather: true, naga: false, ..need.options.layout.clone() };
     let made = match form {
         Form::Naga => Module::by_naga(&source, &options),
-        Form::Original | Form::Ported | Form::Module => Module::new(&source, &options),
+        Form::Original | Form::Ported | Form::Module | Form::Spirv => {
+            Module::new(&source, &options)
+        }
     };
     let module = made.map_err(|found| refused("run", &found))?;
     let block = bound(&module, need.block, need.element)?;

@@ -18,6 +18,7 @@ use crate::layout::BlockLayout;
 use crate::run::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::run::probe::{Got, Sighting, cause, judge, words};
 use crate::run::reader::{Failure, FailureKind, Grid, Job, Reader, Resource, ResourceKind, Texel};
+use crate::run::spirv;
 use crate::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
 use crate::source::{Source, Stage};
 use crate::{Diagnostic, Options, ShaderLayout, layout};
@@ -117,6 +118,50 @@ pub fn verify(
         language: shader.language.name(),
         blocks: blocks.collect(),
     }
+}
+
+/// Holds the decorations of a SPIR-V module, which a compiler of the user's made of the shader,
+/// against its layout: one more reader in each block of the report.
+///
+/// # Errors
+/// The words are no SPIR-V.
+pub fn hold_spirv(
+    subject: &Subject,
+    options: &VerifyOptions,
+    words: &[u32],
+    report: &mut ShaderReport,
+) -> Result<(), Failure> {
+    let reflection = spirv::reflect(words)?;
+    for block in &subject.shader.blocks {
+        let given = options.given.as_ref();
+        let expected = given.and_then(|given| given.iter().find(|b| b.name == block.name));
+        let expected = expected.unwrap_or(block);
+        let instance = block.instance.as_deref();
+        let reported = report
+            .blocks
+            .iter_mut()
+            .find(|other| other.name == *block.name && other.instance.as_deref() == instance);
+        let Some(reported) = reported else { continue };
+        let mut reads = reported::elements(block, expected, &reflection);
+        reads.extend(reported::matrices(block, expected, &reflection));
+        let elsewhere = reads.iter().any(|read| read.byte_read != Some(read.expected_byte));
+        let (outcome, reason) = match (reads.is_empty(), elsewhere) {
+            (true, _) => (Outcome::Skipped, Some("the module has no such block".to_string())),
+            (false, true) => (Outcome::Disagrees, None),
+            (false, false) => (Outcome::Confirmed, None),
+        };
+        reported.readers.push(ReaderReport {
+            reader: "spirv",
+            stage: subject.source.stage.map_or("fragment", Stage::name),
+            form: Form::Spirv,
+            outcome,
+            reason,
+            log: String::new(),
+            reads,
+            causes: Vec::new(),
+        });
+    }
+    Ok(())
 }
 
 /// One block and what is to be proven of it.

@@ -85,6 +85,8 @@ pub enum Form {
     Module,
     /// A module as naga's own front end makes it.
     Naga,
+    /// The decorations of a module that a compiler of the user's made.
+    Spirv,
 }
 
 /// What came of a probe.

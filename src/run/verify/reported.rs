@@ -5,8 +5,9 @@
 
 use super::report::ElementReport;
 use crate::layout::{BlockLayout, Leaf};
-use crate::run::reflection::{ReflectedMember, Reflection};
-use crate::shape::AddressSpace;
+use crate::run::probe::plan::byte_of;
+use crate::run::reflection::{ReflectedBlock, ReflectedMember, Reflection};
+use crate::shape::{AddressSpace, Type};
 
 /// Every active leaf that the driver lists, by the place of its listed element.
 pub(super) fn elements(
@@ -14,6 +15,12 @@ pub(super) fn elements(
     expected: &BlockLayout,
     reflection: &Reflection,
 ) -> Vec<ElementReport> {
+    let Some(listed) = listed(block, reflection) else { return Vec::new() };
+    listed.members.iter().flat_map(|member| of_member(member, expected)).collect()
+}
+
+/// The block among those that are listed.
+fn listed<'r>(block: &BlockLayout, reflection: &'r Reflection) -> Option<&'r ReflectedBlock> {
     let listed = match block.space {
         AddressSpace::Storage => &reflection.storage_blocks,
         AddressSpace::Uniform
@@ -23,10 +30,36 @@ pub(super) fn elements(
         | AddressSpace::Default => &reflection.uniform_blocks,
     };
     let named = |name: &str| name.split('[').next() == Some(&*block.name);
-    let Some(listed) = listed.iter().find(|other| named(&other.name)) else {
-        return Vec::new();
+    listed.iter().find(|other| named(&other.name))
+}
+
+/// The second column and the second row of every matrix that is listed.
+pub(super) fn matrices(
+    block: &BlockLayout,
+    expected: &BlockLayout,
+    reflection: &Reflection,
+) -> Vec<ElementReport> {
+    let Some(listed) = listed(block, reflection) else { return Vec::new() };
+    let steps = |member: &ReflectedMember| {
+        let (name, indices) = pattern(&member.name);
+        let leaf = expected.leaves.iter().find(|leaf| leaf.path == name)?;
+        let Type::Matrix { scalar, .. } = leaf.ty else { return None };
+        let mut element: Vec<u32> = indices.iter().map(|index| *index as u32).collect();
+        element.resize(leaf.strides.len(), 0);
+        let (stride, width) = (member.matrix_stride, u64::from(scalar.width));
+        let (column, row) = if member.row_major { (width, stride) } else { (stride, width) };
+        let step = |name: &str, at: (u8, u8), away: u64| {
+            Some(ElementReport {
+                path: format!("{}{name}", member.name),
+                leaf: leaf.path.clone(),
+                way: "reported",
+                expected_byte: byte_of(leaf, &element, Some(at.0), Some(at.1), scalar)?,
+                byte_read: Some(member.offset + away),
+            })
+        };
+        Some([step("[1].x", (1, 0), column)?, step("[0].y", (0, 1), row)?])
     };
-    listed.members.iter().flat_map(|member| of_member(member, expected)).collect()
+    listed.members.iter().filter_map(steps).flatten().collect()
 }
 
 /// The place of a listed element, and of the one after it by the listed stride.

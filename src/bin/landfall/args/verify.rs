@@ -28,6 +28,9 @@ pub struct VerifyArgs {
     /// Prove the layout in FILE, a lock or the output of layout --format json, not the computed one
     #[arg(long, value_name = "FILE")]
     pub layout: Option<PathBuf>,
+    /// Hold the decorations in FILE against the layout: SPIR-V your own compiler made of the shader
+    #[arg(long, value_name = "FILE")]
+    pub spirv: Option<PathBuf>,
     /// Stages that read [default: the shader's own]
     #[arg(long = "in-stage", value_name = "STAGE", value_delimiter = ',', value_parser = stage)]
     pub stages: Vec<Stage>,
