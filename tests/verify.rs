@@ -235,6 +235,43 @@ fn a_driver_that_reads_by_its_own_rules_is_told_apart() {
     assert!(cause.cause.starts_with("this is its place in std430"), "{}", cause.cause);
 }
 
+/// Seen in naga 30.0.1: what a program reads that hands such a text to wgpu.
+#[test]
+fn nagas_own_offsets_are_caught() {
+    let glsl = "#version 450
+        layout(local_size_x = 1) in;
+        struct Falloff { float linear; };
+        layout(std140, binding = 0) buffer Lamp { float power; Falloff fall; float tail; } lamp;
+        void main() {}
+    ";
+    let wgsl = "struct Inner { @align(16) a: u32 }
+        struct Outer { x: u32, inner: Inner, y: u32 }
+        @group(0) @binding(0) var<storage, read_write> outer: Outer;
+        @compute @workgroup_size(1) fn main() { outer.x = outer.inner.a; }
+    ";
+    for (name, text, leaf, expected) in
+        [("lamp.comp", glsl, "fall.linear", 16), ("outer.wgsl", wgsl, "inner.a", 16)]
+    {
+        let source = Source::new(name, text);
+        let report = verified(&source, &VerifyOptions { naga: true, ..VerifyOptions::default() });
+        for reader in ["cpu", "gpu"] {
+            let seen = each(&report).find(|(_, seen)| seen.reader == reader).expect("it ran").1;
+            assert_eq!(seen.outcome, Outcome::Disagrees, "{name} {reader}: {:?}", seen.reason);
+            // A structure starts at a multiple of 16 in std140, and `@align(16)` says as much.
+            let read = seen
+                .reads
+                .iter()
+                .find(|read| read.leaf == leaf && read.expected_byte == expected)
+                .expect("it was read");
+            assert_ne!(read.byte_read, Some(expected), "{name} {reader}");
+            let cause = seen.causes.iter().find(|cause| cause.leaf == leaf).expect("a cause");
+            assert!(cause.cause.contains("naga puts it"), "{}", cause.cause);
+        }
+        let report = verified(&source, &VerifyOptions::default());
+        assert!(each(&report).all(|(_, seen)| seen.outcome != Outcome::Disagrees));
+    }
+}
+
 /// Every leaf of every shader of the repository, by every reader that takes it.
 #[test]
 fn every_leaf_of_our_shaders_is_confirmed() {

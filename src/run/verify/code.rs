@@ -17,6 +17,9 @@ use crate::shape::{AddressSpace, ArrayLen, Rules};
 use crate::source::{Language, ReadOptions, Source, Stage};
 use crate::{Diagnostic, Options, layout};
 
+/// Where the results of a probe are bound that goes through naga's own GLSL front end.
+const NAGA_BINDING: u32 = 99;
+
 /// What code is needed of.
 pub(super) struct Need<'a> {
     pub reader: &'static str,
@@ -216,6 +219,14 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
             (glsl::text(need.source, need.block, need.element, need.plan, need.stage), "main")
         }
         Language::Wgsl => (wgsl::text(need.source, need.block, need.plan, need.stage), wgsl::ENTRY),
+    };
+    // naga wants a binding of everything, and gives none out.
+    let text = match form {
+        Form::Naga => text.replace(
+            &format!("layout(std430) buffer {}", glsl::RESULTS),
+            &format!("layout(std430, binding = {NAGA_BINDING}) buffer {}", glsl::RESULTS),
+        ),
+        Form::Original | Form::Ported | Form::Module | Form::Spirv => text,
     };
     let source = Source { text: Arc::from(text), stage: Some(need.stage), ..need.source.clone() };
     let options = Options { gather: true, naga: false, ..need.options.layout.clone() };
