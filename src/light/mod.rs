@@ -1,0 +1,14 @@
+//! Scenes of lights: what a shader's buffers are for.
+//!
+//! A [`Scene`] is read from JSON (`scene`) and made two things in double precision: the
+//! [`Frame`], the fragments of its picture, and the [`Upload`], its lights and materials as a
+//! shader gets them, in `f32`. A shader lights the fragments on some reader; the `reference`
+//! does it in `f64` from the same bits.
+
+pub mod frame;
+pub mod scene;
+pub mod upload;
+
+pub use frame::{Fragment, Frame};
+pub use scene::Scene;
+pub use upload::Upload;
