@@ -246,3 +246,54 @@ fn decorations_of_a_compilers_module_are_held_against_the_layout() {
     assert_eq!(junk.status.code(), Some(2));
     assert!(shown(&junk.stderr).contains("no SPIR-V"), "{}", shown(&junk.stderr));
 }
+
+#[test]
+fn a_compilers_module_runs_beside_ours() {
+    let folder = folder("compiled");
+    let text = "#version 450
+        struct Light { vec3 position; float power; };
+        layout(std140, binding = 0) uniform B { float time; Light lights[3]; int count; } u;
+        layout(location = 0) in vec3 at;
+        layout(location = 0) out vec4 colour;
+        void main() {
+            float sum = u.time;
+            for (int i = 0; i < min(u.count, 3); ++i)
+                sum += u.lights[i].power / (1.0 + dot(at, u.lights[i].position));
+            colour = vec4(at * sum, 1.0);
+        }
+    ";
+    let spirv = compiled(&folder, "a.frag", text);
+    let verify = ["verify", "a.frag", "--reader", "gpu", "--spirv", &spirv, "--format", "json"];
+    let run = |output: &Output| -> Value {
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        report["shaders"][0]["compiled"].clone()
+    };
+    let same = landfall(&folder, &verify);
+    // Three fillings of the buffers, an image of 16 by 16, four words a pixel.
+    let expected = serde_json::json!({
+        "reader": "gpu", "outcome": "confirmed", "compared": 3 * 16 * 16 * 4, "differing": 0
+    });
+    assert_eq!(run(&same), expected);
+    assert_eq!(same.status.code(), Some(0), "{}", shown(&same.stderr));
+    // The member the sum begins with has moved since.
+    let changed =
+        text.replace("float time; Light lights[3]", "vec4 wind; float time; Light lights[3]");
+    std::fs::write(folder.join("a.frag"), changed).unwrap();
+    let stale = landfall(&folder, &verify);
+    assert_eq!(run(&stale)["outcome"], "disagrees");
+    assert_eq!(stale.status.code(), Some(1));
+    let human = landfall(&folder, &verify[..6]);
+    assert!(shown(&human.stdout).contains("words differ"), "{}", shown(&human.stdout));
+    // What wgpu cannot bind is said, and no failure.
+    let textured = "#version 450
+        layout(binding = 0) uniform sampler2D t;
+        layout(std140, binding = 1) uniform B { vec4 tint; };
+        layout(location = 0) out vec4 colour;
+        void main() { colour = tint * texture(t, vec2(0.5)); }
+    ";
+    let spirv = compiled(&folder, "b.frag", textured);
+    let verify = ["verify", "b.frag", "--reader", "gpu", "--spirv", &spirv];
+    let refused = landfall(&folder, &verify);
+    assert_eq!(refused.status.code(), Some(0), "{}", shown(&refused.stderr));
+    assert!(shown(&refused.stdout).contains("combined"), "{}", shown(&refused.stdout));
+}

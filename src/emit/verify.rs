@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use anstyle::Style;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
@@ -14,7 +15,7 @@ use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use super::words;
 use crate::run::reader::{Device, Failure};
 use crate::run::verify::report::{
-    Attendance, BlockReport, ElementReport, Form, Outcome, ReaderReport, ShaderReport,
+    Attendance, BlockReport, CompiledRun, ElementReport, Form, Outcome, ReaderReport, ShaderReport,
 };
 
 /// The JSON Schema of `verify --format json`.
@@ -90,7 +91,28 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
             text.push_str(&super::coverage::block(coverage, paint));
         }
     }
+    if let Some(run) = &report.compiled {
+        let (style, words) = compiled(run);
+        let _ = writeln!(text, "  {} {}", paint.text(HEADING, "spirv"), paint.text(style, &words));
+    }
     text
+}
+
+/// What a user's SPIR-V gave beside our module.
+fn compiled(run: &CompiledRun) -> (Style, String) {
+    let CompiledRun { reader, outcome, compared, differing, reason } = run;
+    let compared = words::number(*compared as u64);
+    let reason = reason.as_deref().unwrap_or("no reason given");
+    match outcome {
+        Outcome::Confirmed => {
+            (PLAIN, format!("✓ run on {reader}: {compared} words as landfall's module gives them"))
+        }
+        Outcome::Disagrees => {
+            let message = format!("✗ run on {reader}: {differing} of {compared} words differ");
+            (CAUTION, format!("{message} from what landfall's module gives"))
+        }
+        Outcome::Failed | Outcome::Skipped => (FAINT, format!("not run on {reader}: {reason}")),
+    }
 }
 
 fn name(block: &BlockReport) -> String {
@@ -247,6 +269,10 @@ impl Counts {
             self.reads += reader.reads.len();
             self.elsewhere += reader.reads.iter().filter(|read| !lands(read)).count();
             self.failed += usize::from(reader.outcome == Outcome::Failed);
+        }
+        if let Some(run) = &report.compiled {
+            self.reads += run.compared;
+            self.elsewhere += run.differing;
         }
     }
 }

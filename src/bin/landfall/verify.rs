@@ -10,7 +10,7 @@ use landfall::run::coverage::coverage;
 use landfall::run::reader::Device;
 use landfall::run::spirv;
 use landfall::run::verify::report::{Attendance, Outcome as Seen, ShaderReport};
-use landfall::run::verify::{Subject, VerifyOptions, hold_spirv, verify};
+use landfall::run::verify::{Subject, VerifyOptions, hold_spirv, run_compiled, verify};
 use landfall::source::Files;
 use landfall::{BlockLayout, Diagnostic, Error};
 
@@ -143,6 +143,9 @@ impl Run<'_> {
         let mut report = verify(&subject, &self.options, &mut readers.here);
         if let Some(words) = &self.spirv {
             hold_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
+            let gpu = readers.here.iter_mut().find(|reader| reader.device().reader == "gpu");
+            report.compiled =
+                gpu.map(|gpu| run_compiled(&subject, &self.options, words, gpu.as_mut()));
         }
         if self.args.coverage {
             let limit = self.options.limit;

@@ -10,7 +10,7 @@ use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
 
 /// What buffers hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Filling {
+pub(in crate::run) enum Filling {
     /// Nothing but zeros.
     Zeros,
     /// Small positive floats; whole numbers are the length of the longest array.
@@ -32,7 +32,7 @@ impl Filling {
 }
 
 /// The length of the longest array in any block.
-pub(super) fn longest(module: &Module) -> u32 {
+pub(in crate::run) fn longest(module: &Module) -> u32 {
     let leaves = module.blocks().iter().flat_map(|block| &block.layout.leaves);
     let lengths = leaves.flat_map(|leaf| &leaf.dims).filter_map(|len| match len {
         ArrayLen::Fixed(length) => Some(*length),
@@ -42,7 +42,7 @@ pub(super) fn longest(module: &Module) -> u32 {
 }
 
 /// The bytes of a block.
-pub(super) fn fill(block: &BlockLayout, filling: Filling, longest: u32) -> Vec<u8> {
+pub(in crate::run) fn fill(block: &BlockLayout, filling: Filling, longest: u32) -> Vec<u8> {
     let mut bytes = zeros(block);
     let whole = match filling {
         Filling::Zeros => return bytes,

@@ -4,7 +4,7 @@
 //! shader's own entry points are run by the evaluator over a small grid, with the contents of
 //! its blocks given or made up, and what they read is noted. Feeds `landfall verify --coverage`.
 
-mod fill;
+pub(super) mod fill;
 mod reach;
 
 use std::time::{Duration, Instant};

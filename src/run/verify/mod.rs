@@ -6,6 +6,7 @@
 
 pub(super) mod access;
 pub(super) mod code;
+mod compiled;
 pub(super) mod partner;
 pub mod report;
 mod reported;
@@ -23,8 +24,10 @@ use crate::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
 use crate::source::{Source, Stage};
 use crate::{Diagnostic, Options, ShaderLayout, layout};
 use code::{Code, Need};
+pub use compiled::run_compiled;
 pub use report::{
-    BlockReport, Cause, ElementReport, Form, Outcome, ReaderReport, ShaderReport, Unprobed,
+    BlockReport, Cause, CompiledRun, ElementReport, Form, Outcome, ReaderReport, ShaderReport,
+    Unprobed,
 };
 
 /// Buffers of one dimension of an array of blocks that are bound at most.
@@ -117,6 +120,7 @@ pub fn verify(
         path: shader.path.clone(),
         language: shader.language.name(),
         blocks: blocks.collect(),
+        compiled: None,
     }
 }
 

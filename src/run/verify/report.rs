@@ -17,6 +17,25 @@ pub struct ShaderReport {
     pub language: &'static str,
     /// Its blocks, in the order of the text.
     pub blocks: Vec<BlockReport>,
+    /// What a user's own SPIR-V gave when it was run, where that was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compiled: Option<CompiledRun>,
+}
+
+/// A user's own SPIR-V, run as it is beside landfall's module over the same buffers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct CompiledRun {
+    /// Who ran both.
+    pub reader: &'static str,
+    /// Whether they gave the same; skipped where it could not be run.
+    pub outcome: Outcome,
+    /// Words of images and buffers that were compared.
+    pub compared: usize,
+    /// Of them, those that differ.
+    pub differing: usize,
+    /// Why it was not run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
 }
 
 /// One block of a shader.
@@ -157,7 +176,8 @@ impl ShaderReport {
 
     /// Whether some reader read another byte than expected.
     pub fn disagrees(&self) -> bool {
-        self.outcomes().any(|outcome| outcome == Outcome::Disagrees)
+        let compiled = self.compiled.iter().map(|run| run.outcome);
+        self.outcomes().chain(compiled).any(|outcome| outcome == Outcome::Disagrees)
     }
 
     /// Whether some reader could not run a probe.

@@ -28,7 +28,8 @@ pub struct VerifyArgs {
     /// Prove the layout in FILE, a lock or the output of layout --format json, not the computed one
     #[arg(long, value_name = "FILE")]
     pub layout: Option<PathBuf>,
-    /// Hold the decorations in FILE against the layout: SPIR-V your own compiler made of the shader
+    /// SPIR-V your own compiler made of the shader: its decorations are held against the layout,
+    /// and reader gpu runs it beside landfall's module
     #[arg(long, value_name = "FILE")]
     pub spirv: Option<PathBuf>,
     /// Stages that read [default: the shader's own]
