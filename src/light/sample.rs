@@ -77,7 +77,10 @@ mod tests {
     #[test]
     fn texels_are_nearest_and_repeat_in_both_directions() {
         let at = |u, v| index(&texture(false), [u, v]);
-        assert_eq!([at(0.0, 0.0), at(0.5, 0.0), at(0.0, 0.5), at(0.99, 0.99)].map(Option::unwrap), [0, 1, 2, 3]);
+        assert_eq!(
+            [at(0.0, 0.0), at(0.5, 0.0), at(0.0, 0.5), at(0.99, 0.99)].map(Option::unwrap),
+            [0, 1, 2, 3]
+        );
         assert_eq!([at(1.0, 1.0), at(-0.25, 0.25), at(7.75, -3.0)].map(Option::unwrap), [0, 1, 1]);
         // Rounds up to a whole: still the last texel.
         assert_eq!(at(-1e-30, -1e-30), Some(3));

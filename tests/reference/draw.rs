@@ -2,7 +2,7 @@
 //!
 //! Feeds the test beside it. Every product and sum is in the script's order: the bits are equal.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use landfall::light::reference::*;
 use landfall::light::sample::Texels;
 use landfall::light::scene::{
@@ -121,13 +121,10 @@ pub fn draw(family: usize, number: u64) -> Point {
     model.window = [Window::None, Window::Quartic][d.whole(2) as usize];
     model.cone_edge = [ConeEdge::Soft, ConeEdge::Hard][(d.whole(4) / 3) as usize];
     model.cone_numbers = [ConeNumbers::Cosines, ConeNumbers::Angles][d.whole(2) as usize];
-    model.caster_attenuation = [
-        CasterAttenuation::None,
-        CasterAttenuation::Direct,
-        CasterAttenuation::All,
-    ][d.whole(3) as usize];
-    model.array_specular =
-        [ArraySpecular::Fixed, ArraySpecular::AsPublished][d.whole(2) as usize];
+    model.caster_attenuation =
+        [CasterAttenuation::None, CasterAttenuation::Direct, CasterAttenuation::All]
+            [d.whole(3) as usize];
+    model.array_specular = [ArraySpecular::Fixed, ArraySpecular::AsPublished][d.whole(2) as usize];
     model.reflectance =
         [Reflectance::Ignored, Reflectance::Gate, Reflectance::Factor][d.whole(3) as usize];
     model.power = [Power::Material, Power::Ten][d.whole(2) as usize];
@@ -359,9 +356,4 @@ pub fn six_lights() -> Upload {
             reflectance: 1.0,
         }],
     }
-}
-
-/// A rotation to try invariance with: any will do.
-pub fn turned() -> DMat3 {
-    DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 0.7)
 }
