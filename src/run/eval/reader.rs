@@ -177,6 +177,8 @@ impl Reader for Cpu {
             Precision::Single => self.run_in::<f32>(job),
             Precision::Double => self.run_in::<f64>(job),
             Precision::Both => self.run_in::<Shadow>(job),
+            // An answer has no room for more than the `f32`.
+            Precision::Permitted => self.run_in::<f32>(job),
         }
     }
 }
