@@ -34,7 +34,7 @@ mod tests;
 pub use call::{Call, Called, Numbers, Words};
 pub use counts::Counts;
 pub use interface::Port;
-pub use program::{FunctionSignature, Parameter, Program};
+pub use program::{Floats, FunctionSignature, Parameter, Program};
 pub use reader::Cpu;
 pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
 pub use undefined::{Divergence, Place, Undefined, UndefinedKind};
@@ -51,8 +51,13 @@ impl Program {
     /// A function that uses what is not supported (storage textures, cube maps, ray
     /// queries, subgroup operations) is refused where it is run, by what it uses.
     pub fn new(module: &Module, overrides: &[(String, f64)]) -> Program {
+        Program::rounded(module, overrides, Floats::AsWritten)
+    }
+
+    /// The same with floats rounded to less than they are written as.
+    pub fn rounded(module: &Module, overrides: &[(String, f64)], floats: Floats) -> Program {
         // Blocks may nest as deep as the text does; the stack is touched only as far.
-        let compile = || compile::compile(&module.ir, &module.info, overrides);
+        let compile = || compile::compile(&module.ir, &module.info, overrides, floats);
         let mut program = std::thread::scope(|scope| {
             let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);
             let thread = thread.expect("there is memory for a thread");

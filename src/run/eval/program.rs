@@ -33,6 +33,16 @@ pub struct Program {
     pub(super) bases: Vec<u32>,
 }
 
+/// What a shader's `f32` are rounded to. The `f64` beside them, or alone, are not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Floats {
+    /// What they are.
+    #[default]
+    AsWritten,
+    /// `f16`, each operation and everything that is read: arguments, inputs, buffers, textures.
+    Half,
+}
+
 /// A buffer the shader has.
 #[derive(Clone, Debug)]
 pub(super) struct BufferInfo {

@@ -11,7 +11,7 @@ use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Va
 use super::super::counts::price;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
-use super::super::program::{Argument, BufferInfo, FunctionCode, ImageInfo, Program};
+use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInfo, Program};
 use super::super::tidy;
 use super::function::Compiled;
 use super::nowhere;
@@ -21,6 +21,9 @@ pub(super) struct Builder<'a> {
     pub info: &'a ModuleInfo,
     pub types: Types<'a>,
     pub overrides: &'a [Option<f64>],
+    pub floats: Floats,
+    /// Whether what is being compiled is rounded to `f16`.
+    pub rounds: bool,
     pub buffers: Vec<BufferInfo>,
     pub images: Vec<ImageInfo>,
     pub accesses: Vec<Access>,
@@ -63,12 +66,15 @@ impl<'a> Builder<'a> {
         info: &'a ModuleInfo,
         pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
         overrides: &'a [Option<f64>],
+        floats: Floats,
     ) -> Builder<'a> {
         Builder {
             ir,
             info,
             types: Types { arena: &ir.types, pending, counted: RefCell::default() },
             overrides,
+            floats,
+            rounds: false,
             buffers: Vec::new(),
             images: Vec::new(),
             accesses: Vec::new(),

@@ -21,7 +21,7 @@ use naga::valid::ModuleInfo;
 use naga::{AddressSpace, Handle, StorageAccess};
 
 use super::code::{Origin, Reg};
-use super::program::{BufferInfo, BufferSpace, FunctionCode, ImageInfo, Program};
+use super::program::{BufferInfo, BufferSpace, Floats, FunctionCode, ImageInfo, Program};
 pub(super) use builder::Body;
 use builder::Builder;
 pub(super) use function::Compiled;
@@ -42,10 +42,11 @@ pub(super) fn compile(
     ir: &naga::Module,
     info: &ModuleInfo,
     overrides: &[(String, f64)],
+    floats: Floats,
 ) -> Program {
     let given = overrides_of(ir, overrides);
     let pending = |handle: Handle<naga::Override>| length_of(ir, &given, handle);
-    let mut builder = Builder::new(ir, info, &pending, &given);
+    let mut builder = Builder::new(ir, info, &pending, &given, floats);
     let globals = globals(&mut builder);
     let mut functions = Vec::new();
     for (handle, function) in ir.functions.iter() {
