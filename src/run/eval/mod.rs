@@ -40,7 +40,10 @@ pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
 pub use undefined::{Divergence, Place, Undefined, UndefinedKind};
 pub use value::{Value, ValueType};
 
+use std::path::Path;
+
 use super::Module;
+use crate::source::{Language, kind_of_path};
 
 /// Bytes of stack for compiling.
 const STACK: usize = 256 << 20;
@@ -65,6 +68,8 @@ impl Program {
         });
         program.files = module.files.clone();
         program.bases = module.bases.clone();
+        let kind = module.files.get(0).and_then(|file| kind_of_path(Path::new(&file.path)));
+        program.language = kind.map_or(Language::Glsl, |(language, _)| language);
         program
     }
 }

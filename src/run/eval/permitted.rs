@@ -8,6 +8,7 @@ use super::code::{Cmp, F1, F2};
 use super::interval::{Interval, sum_in_any_order};
 use super::machine::frexp;
 use super::real::Real;
+use crate::source::Language;
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Permitted {
@@ -145,12 +146,15 @@ impl Real for Permitted {
         spans.iter_mut().zip(terms).for_each(|(span, term)| *span = term.span);
         Permitted { single, span: sum_in_any_order(&spans[..terms.len()]) }
     }
-    /// `x / length` by WGSL §17.5, `x * inverseSqrt(squares)` by Vulkan.
-    fn over_length(self, length: Permitted, squares: Permitted) -> Permitted {
+    /// `x * inverseSqrt(squares)` by Vulkan, which WGSL may become; `x / length` by WGSL §17.5.
+    fn over_length(self, length: Permitted, squares: Permitted, of: Language) -> Permitted {
         let single = self.single / length.single;
-        let (quotient, product) =
-            (self.span.div(length.span), self.span.mul(squares.span.inverse_sqrt()));
-        Permitted { single, span: quotient.or(product) }
+        let product = self.span.mul(squares.span.inverse_sqrt());
+        let span = match of {
+            Language::Glsl => product,
+            Language::Wgsl => product.or(self.span.div(length.span)),
+        };
+        Permitted { single, span }
     }
     fn whole(self) -> f64 {
         f64::from(self.single)

@@ -5,6 +5,7 @@
 //! [`Permitted`](super::permitted::Permitted) with all that other devices may get.
 
 use super::code::{Cmp, F1, F2};
+use crate::source::Language;
 
 /// A number that stands for a shader's `f32`.
 pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
@@ -71,9 +72,10 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     fn total(terms: &[Self]) -> Self {
         terms[1..].iter().fold(terms[0], |sum, term| sum.add(*term))
     }
-    /// A component over its vector's length, which is the root of the sum of squares.
+    /// A component over its vector's length, which is the root of the sum of squares, as a
+    /// language has it.
     #[inline(always)]
-    fn over_length(self, length: Self, _squares: Self) -> Self {
+    fn over_length(self, length: Self, _squares: Self, _: Language) -> Self {
         self.div(length)
     }
     /// The least and the greatest number a device may have in its place.

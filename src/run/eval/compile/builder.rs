@@ -15,6 +15,7 @@ use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInf
 use super::super::tidy;
 use super::function::Compiled;
 use super::nowhere;
+use crate::source::Language;
 
 pub(super) struct Builder<'a> {
     pub ir: &'a naga::Module,
@@ -347,6 +348,7 @@ impl<'a> Builder<'a> {
             start,
             files: Default::default(),
             bases: Vec::new(),
+            language: Language::Wgsl,
         }
     }
 }

@@ -363,13 +363,16 @@ impl<R: Real> Machine<'_, '_, R> {
     pub(super) fn normalize(&mut self, n: usize, operands: &[u32]) {
         for group in operands.chunks_exact(2 * n) {
             let (to, from) = group.split_at(n);
+            let language = self.program.language;
             let mut squares = [R::default(); LANES];
             self.squares_of(from, &mut squares);
             let length = squares.map(R::sqrt);
             for (to, from) in to.iter().zip(from) {
                 let mut quotient = take(&mut self.reals, *to);
                 let from = column(&self.reals, *from);
-                map3(&mut quotient, from, &length, &squares, |a, b, c| a.over_length(b, c));
+                map3(&mut quotient, from, &length, &squares, |a, b, c| {
+                    a.over_length(b, c, language)
+                });
                 self.reals[*to as usize] = Some(quotient);
             }
         }

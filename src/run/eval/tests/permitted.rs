@@ -168,6 +168,6 @@ fn six_lights_may_differ_by_a_small_part_of_a_step() {
             widest = widest.max(255.0 * (high - low));
         }
         println!("{name}: at most {widest:.4} of a step wide, {unsure} of 4000 unsure");
-        assert!(widest < 0.1 && unsure < 40, "{name}: {widest} {unsure}");
+        assert!(widest <= 0.048 && unsure == 0, "{name}: {widest} {unsure}");
     }
 }
