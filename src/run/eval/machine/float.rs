@@ -23,8 +23,8 @@ pub(super) fn transcendental(f: F1, x: f64) -> f64 {
         F1::Acos => x.acos(),
         F1::Atan => x.atan(),
         F1::Asinh => x.asinh(),
-        F1::Acosh => x.acosh(),
-        F1::Atanh => x.atanh(),
+        F1::Acosh => acosh(x),
+        F1::Atanh => atanh(x),
         F1::Exp => x.exp(),
         F1::Exp2 => x.exp2(),
         F1::Log => x.ln(),
@@ -45,6 +45,18 @@ pub(super) fn transcendental(f: F1, x: f64) -> f64 {
         | F1::Saturate
         | F1::Sqrt => f64::NAN,
     }
+}
+
+/// By `x - 1`: the library's form (Rust 1.95) has no digits left of it beside 1.
+fn acosh(x: f64) -> f64 {
+    let past = x - 1.0;
+    (past + past.sqrt() * (past + 2.0).sqrt()).ln_1p()
+}
+
+/// Of the absolute value: the library's form (Rust 1.95) loses digits beside -1.
+fn atanh(x: f64) -> f64 {
+    let size = x.abs();
+    (0.5 * (2.0 * size / (1.0 - size)).ln_1p()).copysign(x)
 }
 
 /// Fraction from 0.5 to 1 and exponent.
