@@ -60,7 +60,7 @@ impl Program {
     /// The same with floats rounded to less than they are written as.
     pub fn rounded(module: &Module, overrides: &[(String, f64)], floats: Floats) -> Program {
         // Blocks may nest as deep as the text does; the stack is touched only as far.
-        let compile = || compile::compile(&module.ir, &module.info, overrides, floats);
+        let compile = || compile::compile(module, overrides, floats);
         let mut program = std::thread::scope(|scope| {
             let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);
             let thread = thread.expect("there is memory for a thread");

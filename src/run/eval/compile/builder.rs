@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use naga::valid::ModuleInfo;
 use naga::{Handle, TypeInner};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
 use super::super::counts::price;
@@ -23,6 +23,8 @@ pub(super) struct Builder<'a> {
     pub types: Types<'a>,
     pub overrides: &'a [Option<f64>],
     pub floats: Floats,
+    /// With [`Floats::Mediump`]: spans of the expressions that are rounded.
+    pub reduced: &'a FxHashSet<(u32, u32)>,
     /// Whether what is being compiled is rounded to `f16`.
     pub rounds: bool,
     pub buffers: Vec<BufferInfo>,
@@ -68,6 +70,7 @@ impl<'a> Builder<'a> {
         pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
         overrides: &'a [Option<f64>],
         floats: Floats,
+        reduced: &'a FxHashSet<(u32, u32)>,
     ) -> Builder<'a> {
         Builder {
             ir,
@@ -75,6 +78,7 @@ impl<'a> Builder<'a> {
             types: Types { arena: &ir.types, pending, counted: RefCell::default() },
             overrides,
             floats,
+            reduced,
             rounds: false,
             buffers: Vec::new(),
             images: Vec::new(),
