@@ -33,6 +33,8 @@ pub struct Module {
     inputs: Vec<EntryInterface>,
     outputs: Vec<EntryInterface>,
     left_out: Vec<Diagnostic>,
+    /// The expressions that need no more than `mediump`, by their spans in naga's numbering.
+    pub(crate) reduced: FxHashSet<(u32, u32)>,
 }
 
 /// A block of a runnable shader.
@@ -151,6 +153,7 @@ impl Module {
                     inputs: lowered.inputs,
                     outputs: lowered.outputs,
                     left_out: lowered.left_out,
+                    reduced: lowered.reduced,
                 };
                 module.validated()
             }
@@ -287,6 +290,7 @@ impl Module {
             inputs: Vec::new(),
             outputs: Vec::new(),
             left_out: Vec::new(),
+            reduced: FxHashSet::default(),
         }
     }
 }

@@ -5,22 +5,28 @@ use std::rc::Rc;
 
 use naga::valid::ModuleInfo;
 use naga::{Handle, TypeInner};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
 use super::super::counts::price;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
-use super::super::program::{Argument, BufferInfo, FunctionCode, ImageInfo, Program};
+use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInfo, Program};
 use super::super::tidy;
 use super::function::Compiled;
 use super::nowhere;
+use crate::source::Language;
 
 pub(super) struct Builder<'a> {
     pub ir: &'a naga::Module,
     pub info: &'a ModuleInfo,
     pub types: Types<'a>,
     pub overrides: &'a [Option<f64>],
+    pub floats: Floats,
+    /// With [`Floats::Mediump`]: spans of the expressions that are rounded.
+    pub reduced: &'a FxHashSet<(u32, u32)>,
+    /// Whether what is being compiled is rounded to `f16`.
+    pub rounds: bool,
     pub buffers: Vec<BufferInfo>,
     pub images: Vec<ImageInfo>,
     pub accesses: Vec<Access>,
@@ -63,12 +69,17 @@ impl<'a> Builder<'a> {
         info: &'a ModuleInfo,
         pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
         overrides: &'a [Option<f64>],
+        floats: Floats,
+        reduced: &'a FxHashSet<(u32, u32)>,
     ) -> Builder<'a> {
         Builder {
             ir,
             info,
             types: Types { arena: &ir.types, pending, counted: RefCell::default() },
             overrides,
+            floats,
+            reduced,
+            rounds: false,
             buffers: Vec::new(),
             images: Vec::new(),
             accesses: Vec::new(),
@@ -341,6 +352,7 @@ impl<'a> Builder<'a> {
             start,
             files: Default::default(),
             bases: Vec::new(),
+            language: Language::Wgsl,
         }
     }
 }

@@ -7,6 +7,7 @@ use naga::{AddressSpace, Expression, Handle, Literal, ScalarKind, TypeInner};
 
 use super::super::code::{Axis, Class, Op, Reg};
 use super::super::flatten::class;
+use super::super::program::Floats;
 use super::Global;
 use super::function::{Function, Resolved, Value};
 use super::pointer::Root;
@@ -14,6 +15,33 @@ use super::pointer::Root;
 impl Function<'_, '_> {
     /// Compiles an expression where it stands.
     pub fn expression(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
+        let rounds = self.is_rounded(handle);
+        let outer = std::mem::replace(&mut self.b.rounds, rounds);
+        let value = self.unrounded(handle);
+        self.b.rounds = outer;
+        match value? {
+            Value::Regs(regs) if rounds => Ok(Value::Regs(self.halves(&regs))),
+            value => Ok(value),
+        }
+    }
+
+    /// Whether a value is rounded to `f16`.
+    pub fn is_rounded(&self, handle: Handle<Expression>) -> bool {
+        match self.b.floats {
+            Floats::AsWritten => false,
+            Floats::Half => true,
+            Floats::Mediump => {
+                let range = self.arena.get_span(handle).to_range();
+                let span = range.map(|range| (range.start as u32, range.end as u32));
+                // A literal has no precision, and one stands for all of its value.
+                let literal = matches!(self.arena[handle], Expression::Literal(_));
+                span.is_some_and(|span| self.b.reduced.contains(&span)) && !literal
+            }
+        }
+    }
+
+    /// An expression whose operations are rounded, but not what it only reads.
+    fn unrounded(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
         let arena = self.arena;
         let regs = match &arena[handle] {
             Expression::Literal(literal) => [self.literal(*literal)?].into(),

@@ -1,6 +1,8 @@
 //! The six lights of `shaders/`, in every language, against values computed with 50 digits.
 
-use super::super::{Invocations, Port, Precision, Program, Settings};
+use glam::{DQuat, DVec3};
+
+use super::super::{Floats, Invocations, Outputs, Port, Precision, Program, Settings};
 use super::support::single;
 use crate::Options;
 use crate::buffer::Buffer;
@@ -12,6 +14,8 @@ use crate::source::{Source, Stage};
 /// Place, normal, the sum of six lights with white textures, and the flashlight's share;
 /// uniforms rounded to `f32`.
 type Golden = ([f32; 3], [f32; 3], f64, f64);
+/// A place and a normal.
+pub type Fragment = [[f32; 3]; 2];
 const GOLDEN: [Golden; 7] = [
     ([0.0, 0.0, 0.5], [0.0, 0.0, 1.0], 2.26911252149039, 1.40350875377),
     ([0.4, 0.3, 0.5], [0.0, 0.0, 1.0], 2.1077796668398, 0.735869414475),
@@ -65,9 +69,16 @@ fn fill(buffer: &mut Buffer) {
     number("shininess", 32.0);
 }
 
-fn module(file: &str) -> Module {
+/// A shader of ours, each text of `changes` replaced by the one beside it.
+pub fn module(file: &str, changes: &[(&str, &str)]) -> Module {
     let path = format!("{}/shaders/six_lights/{file}", env!("CARGO_MANIFEST_DIR"));
     let source = Source::read(&path).expect("the shader is there");
+    let mut text = source.text.to_string();
+    for (old, new) in changes {
+        assert!(text.contains(old), "{file} has no `{old}`");
+        text = text.replace(old, new);
+    }
+    let source = Source::new(file, text);
     Module::new(&source, &Options::default()).unwrap_or_else(|found| panic!("{found:?}"))
 }
 
@@ -91,31 +102,66 @@ fn resources(module: &Module) -> Vec<Resource> {
     blocks.chain(handles).collect()
 }
 
-/// Red of each fragment.
-fn shade(file: &str, precision: Precision) -> Vec<f64> {
-    let module = module(file);
+/// What each fragment is lit with.
+pub fn shade(
+    module: &Module,
+    fragments: &[Fragment],
+    settings: &Settings,
+    floats: Floats,
+) -> Outputs {
     let entry = module
         .entry_points()
         .into_iter()
         .find(|e| e.stage == Stage::Fragment)
         .expect("it has a fragment stage");
-    let columns = |pick: fn(&Golden) -> [f32; 3]| -> Vec<Vec<u64>> {
-        let bits = |i: usize| GOLDEN.iter().map(move |g| u64::from(pick(g)[i].to_bits()));
+    let columns = |part: usize| -> Vec<Vec<u64>> {
+        let bits = |i: usize| fragments.iter().map(move |f| u64::from(f[part][i].to_bits()));
         (0..3).map(|i| bits(i).collect()).collect()
     };
     let location = |name: &str, other: u32| {
         let input = module.inputs().iter().find(|i| i.name.to_lowercase().contains(name));
         Port::Location(input.map_or(other, |i| i.location))
     };
-    let inputs =
-        vec![(location("pos", 0), columns(|g| g.0)), (location("normal", 1), columns(|g| g.1))];
-    let invocations = Invocations { count: GOLDEN.len(), inputs };
-    let settings = Settings { precision, ..single() };
-    let resources = resources(&module);
-    let outputs = Program::new(&module, &[])
-        .run_entry(&entry.name, &invocations, &resources, &settings)
-        .unwrap_or_else(|failure| panic!("{file}: {failure:?}"));
-    outputs.ports[0].1.doubles[0].clone()
+    let inputs = vec![(location("pos", 0), columns(0)), (location("normal", 1), columns(1))];
+    let invocations = Invocations { count: fragments.len(), inputs };
+    let resources = resources(module);
+    Program::rounded(module, &[], floats)
+        .run_entry(&entry.name, &invocations, &resources, settings)
+        .unwrap_or_else(|failure| panic!("{failure:?}"))
+}
+
+/// Fragments of the scene's ten cubes that face the camera.
+pub fn fragments(count: usize) -> Vec<Fragment> {
+    let cubes = [
+        [0.0, 0.0, 0.0],
+        [2.0, 5.0, -15.0],
+        [-1.5, -2.2, -2.5],
+        [-3.8, -2.0, -12.3],
+        [2.4, -0.4, -3.5],
+        [-1.7, 3.0, -7.5],
+        [1.3, -2.0, -2.5],
+        [1.5, 2.0, -2.5],
+        [1.5, 0.2, -1.5],
+        [-1.3, 1.0, -1.5],
+    ];
+    let axis = DVec3::new(1.0, 0.3, 0.5).normalize();
+    let camera = DVec3::new(0.0, 0.0, 3.0);
+    let mut random = fastrand::Rng::with_seed(6);
+    let mut fragments = Vec::new();
+    while fragments.len() < count {
+        let cube = random.usize(0..10);
+        let turn = DQuat::from_axis_angle(axis, (20.0 * cube as f64).to_radians());
+        let mut corner = [0.0; 3].map(|_| random.f64() - 0.5);
+        let mut normal = [0.0; 3];
+        let (side, sign) = (random.usize(0..3), if random.bool() { 1.0 } else { -1.0 });
+        (corner[side], normal[side]) = (0.5 * sign, sign);
+        let place = turn * DVec3::from_array(corner) + DVec3::from_array(cubes[cube]);
+        let normal = turn * DVec3::from_array(normal);
+        if normal.dot(camera - place) > 0.0 {
+            fragments.push([place, normal].map(|v| v.to_array().map(|x| x as f32)));
+        }
+    }
+    fragments
 }
 
 #[test]
@@ -124,7 +170,11 @@ fn six_lights_are_as_bright_as_they_should_be_in_every_language() {
         ["phong.wgsl", "phong_450.frag", "phong_330.frag", "phong_300es.frag", "phong_100es.frag"]
     {
         for (precision, tolerance) in [(Precision::Double, 1e-11), (Precision::Single, 2e-6)] {
-            for (got, (place, _, sum, torch)) in shade(file, precision).iter().zip(GOLDEN) {
+            let settings = Settings { precision, ..single() };
+            let fragments: Vec<Fragment> = GOLDEN.iter().map(|g| [g.0, g.1]).collect();
+            let lit = shade(&module(file, &[]), &fragments, &settings, Floats::AsWritten);
+            let red = &lit.ports[0].1.doubles[0];
+            for (got, (place, _, sum, torch)) in red.iter().zip(GOLDEN) {
                 // The oldest dialect has no flashlight.
                 let expected = if file.contains("100es") { sum - torch } else { sum };
                 let off = (got - expected).abs() / expected;

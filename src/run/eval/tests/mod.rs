@@ -4,9 +4,12 @@ mod support;
 
 mod builtins;
 mod control;
+mod half;
 mod integers;
 mod lighting;
+mod mediump;
 mod memory;
 mod notes;
+mod permitted;
 mod random;
 mod readers;
