@@ -9,6 +9,6 @@ pub mod frame;
 pub mod scene;
 pub mod upload;
 
-pub use frame::{Fragment, Frame};
+pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};
 pub use scene::Scene;
 pub use upload::Upload;
