@@ -75,14 +75,12 @@ fn lamp(random: &mut SplitMix64, from: &Generate, lights: &RandomLights) -> Poin
     let (x, z) = random.place(from.area);
     let y = random.between(lights.height);
     let color = dvec3(random.unit(), random.unit(), random.unit());
-    // The brightest channel is 1 and none below 1/4, so that every lamp shows and none is grey.
-    let color = (DVec3::splat(0.25) + color * 0.75) / (0.25 + color.max_element() * 0.75);
     let count = lights.attenuations.len() as u64;
     let row = random.next().checked_rem(count).map(|row| row as usize);
     let unweakened = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
     let mut attenuation = row.map_or(unweakened, |row| lights.attenuations[row]);
     if let Some(least) = lights.window {
-        let reach = attenuation.reach(lights.gain, least);
+        let reach = attenuation.reach(color.max_element() * lights.gain, least);
         attenuation.range = Some(reach).filter(|reach| *reach > 0.0 && reach.is_finite());
     }
     let sent = color * lights.gain;
