@@ -18,7 +18,7 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use super::{Camera, Lights, Scene, Space};
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::Diagnostic;
 use crate::error::Error;
 use crate::file::reason;
 use crate::lock::json::{self, Fault};
@@ -82,12 +82,12 @@ pub fn read(path: &str, text: &str, open: &Open<'_>) -> Reading {
     let scene = match json::parse(text) {
         Ok(root) => scene(&mut walk, At::root(&root), text, path, open),
         Err(fault) => {
-            walk.diagnostics.push(no_json(text, &fault));
+            walk.push(no_json(text, &fault));
             None
         }
     };
-    let wrong = walk.diagnostics.iter().any(|found| found.severity == Severity::Error);
-    Reading { scene: scene.filter(|_| !wrong), files: walk.files, diagnostics: walk.diagnostics }
+    let Walk { files, diagnostics, wrong } = walk;
+    Reading { scene: scene.filter(|_| !wrong), files, diagnostics }
 }
 
 const MEMBERS: &[&str] = &[
@@ -245,7 +245,7 @@ fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Optio
         (Some(front), None) => walk.direction(&front),
         (None, Some(at)) => {
             let target = walk.vector(&at)?;
-            let front = (target - position?).try_normalize();
+            let front = walk::unit(target - position?);
             if front.is_none() {
                 walk.error(
                     "zero-direction",

@@ -108,6 +108,11 @@ fn emission(walk: &mut Walk, object: &Object<'_>) -> Option<Emission> {
         return None;
     }
     let sent = color.map_or(first, |color| color * intensity);
+    if !sent.as_vec3().is_finite() {
+        let what = "is brighter than any `f32`: its colour times its intensity is above 3.4e38";
+        walk.error("value-out-of-range", &object.at, what);
+        return None;
+    }
     let diffuse = diffuse.unwrap_or(sent);
     Some(Emission {
         ambient: ambient.unwrap_or(DVec3::ZERO),

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::{DMat3, DMat4, DVec3};
 
-use super::Open;
 use super::walk::{At, Object as Members, Walk, short};
+use super::{LARGEST, Open};
 use crate::diagnostic::Diagnostic;
 use crate::light::scene::{Material, Mesh, Object, mesh, read_obj};
 use crate::lock::json::Value;
@@ -72,7 +72,9 @@ impl Reader<'_> {
         };
         let mut transform = DMat4::from_mat3(rotation? * DMat3::from_diagonal(scale?));
         transform.w_axis = position?.extend(1.0);
-        Some(Object { mesh: mesh?, material: material?, transform })
+        let object = Object { mesh: mesh?, material: material?, transform };
+        near_enough(walk, at, &object)?;
+        Some(object)
     }
 
     fn mesh(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
@@ -150,7 +152,7 @@ impl Reader<'_> {
                 for fault in faults {
                     let mut found = Diagnostic::error("wrong-mesh", span(&fault.at), fault.message);
                     found.help = fault.help;
-                    walk.diagnostics.push(found);
+                    walk.push(found);
                 }
                 None
             }
@@ -163,7 +165,7 @@ impl Reader<'_> {
                         read.triangles
                     );
                     let found = Diagnostic::warning("mesh-without-normals", span(first), message);
-                    walk.diagnostics.push(
+                    walk.push(
                         found.with_help(
                             "write the file with normals, as corners `position/uv/normal`",
                         ),
@@ -173,6 +175,17 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// Corners as far out as a position may be.
+fn near_enough(walk: &mut Walk, at: &At<'_>, object: &Object) -> Option<()> {
+    let corners = object.mesh.vertices.iter();
+    let out = |at: DVec3| object.transform.transform_point3(at).abs().max_element() > LARGEST;
+    if !corners.map(|vertex| vertex.position).any(out) {
+        return Some(());
+    }
+    walk.error("too-large", at, "has corners beyond 1e18, the square of which fits no `f32`");
+    None
 }
 
 /// The number of a material by its name. The only material there is need not be named.
