@@ -216,7 +216,7 @@ fn lines_and_columns_are_those_of_an_editor() {
     for ([from, to], line, column) in [
         (["[64, 36]", "[64, -36]"], 4, 16),
         (["0.25, 0.5", "0.25, -0.2"], 24, 25),
-        (["\"seed\": 7", "\"sead\": 7"], 56, 5),
+        (["\"seed\": 7", "\"sead\": 7"], 58, 5),
     ] {
         let reading = read_alone(&RIGHT.replace(from, to));
         let place = reading.files.locate(reading.diagnostics[0].labels[0].span);
