@@ -11,6 +11,6 @@ pub mod sample;
 pub mod scene;
 pub mod upload;
 
-pub use frame::{Fragment, Frame};
+pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};
 pub use scene::Scene;
 pub use upload::Upload;
