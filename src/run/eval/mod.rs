@@ -23,6 +23,7 @@ mod reader;
 mod real;
 mod stage;
 mod tidy;
+mod trace;
 mod undefined;
 mod value;
 
@@ -35,6 +36,7 @@ pub use interface::Port;
 pub use program::{FunctionSignature, Parameter, Program};
 pub use reader::Cpu;
 pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
+pub use trace::{Number, Operand, Operation, Source, Step, Trace};
 pub use undefined::{Divergence, Place, Undefined, UndefinedKind};
 pub use value::{Value, ValueType};
 

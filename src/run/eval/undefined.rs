@@ -88,6 +88,8 @@ pub struct Undefined {
     pub count: u64,
     /// The operands it was seen with first.
     pub operands: Vec<f64>,
+    /// Invocations it was seen in: the first few.
+    pub lanes: Vec<usize>,
 }
 
 /// Where `f32` and `f64` part for one invocation.

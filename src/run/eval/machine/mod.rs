@@ -10,6 +10,7 @@ mod float;
 mod integer;
 mod kernel;
 mod memory;
+mod trace;
 mod watch;
 mod wide;
 
@@ -21,7 +22,8 @@ use super::counts::Tally;
 use super::program::Program;
 use super::real::Real;
 use control::Frame;
-pub(super) use watch::Watch;
+pub(super) use trace::Tracer;
+pub(super) use watch::{Seen, Watch};
 
 /// One scalar of all lanes.
 pub(super) type Column<T> = Box<[T; LANES]>;
@@ -222,6 +224,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             }
             if WATCH {
                 self.look_back(this, inst.op, operands);
+                self.trace(this, inst.op, head, operands);
             }
         }
     }

@@ -1,0 +1,6 @@
+//! How wrong a shader's arithmetic gets, measured.
+//!
+//! [`stress`] looks for the inputs at which a function breaks. Everything here runs on
+//! [`run`](crate::run) and is printed by [`emit`](crate::emit).
+
+pub mod stress;
