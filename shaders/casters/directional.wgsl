@@ -1,6 +1,6 @@
 // A directional light: parallel rays, the same direction for every fragment.
 //
-// LightBlock has the same bytes as the std140 block of directional_450.frag.
+// DirectionalBlock has the same bytes as the std140 block of directional_450.frag.
 
 struct Light {
     direction: vec3f, // offset 0, the way the light travels
@@ -14,7 +14,7 @@ struct ViewBlock {
     viewPos: vec3f, // offset 0
 }
 
-struct LightBlock {
+struct DirectionalBlock {
     light: Light, // offset 0
 }
 
@@ -30,7 +30,7 @@ struct MaterialBlock {
 }
 
 @group(0) @binding(0) var<uniform> view: ViewBlock;
-@group(0) @binding(1) var<uniform> lights: LightBlock;
+@group(0) @binding(1) var<uniform> lights: DirectionalBlock;
 @group(1) @binding(0) var<uniform> transform: TransformBlock;
 @group(2) @binding(0) var<uniform> material: MaterialBlock;
 @group(2) @binding(1) var materialDiffuse: texture_2d<f32>;

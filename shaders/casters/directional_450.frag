@@ -20,7 +20,7 @@ layout(std140, set = 0, binding = 0) uniform ViewBlock {
     vec3 viewPos; // offset 0
 };
 
-layout(std140, set = 0, binding = 1) uniform LightBlock {
+layout(std140, set = 0, binding = 1) uniform DirectionalBlock {
     Light light; // offset 0
 };
 

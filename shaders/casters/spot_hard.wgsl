@@ -1,6 +1,6 @@
 // A spotlight with a hard edge: full light inside the cone, ambient light outside.
 //
-// LightBlock has the same bytes as the std140 block of spot_hard_450.frag.
+// HardSpotBlock has the same bytes as the std140 block of spot_hard_450.frag.
 
 struct Light {
     position: vec3f,  // offset 0
@@ -20,7 +20,7 @@ struct ViewBlock {
     viewPos: vec3f, // offset 0
 }
 
-struct LightBlock {
+struct HardSpotBlock {
     light: Light, // offset 0
 }
 
@@ -36,7 +36,7 @@ struct MaterialBlock {
 }
 
 @group(0) @binding(0) var<uniform> view: ViewBlock;
-@group(0) @binding(1) var<uniform> lights: LightBlock;
+@group(0) @binding(1) var<uniform> lights: HardSpotBlock;
 @group(1) @binding(0) var<uniform> transform: TransformBlock;
 @group(2) @binding(0) var<uniform> material: MaterialBlock;
 @group(2) @binding(1) var materialDiffuse: texture_2d<f32>;

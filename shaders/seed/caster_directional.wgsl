@@ -1,6 +1,6 @@
 // A directional light: parallel rays, the same direction for every fragment.
 //
-// LightBlock has the same bytes as the std140 block of directional_450.frag.
+// DirectionalBlock has the same bytes as the std140 block of directional_450.frag.
 //
 // Seed form: the formulas as tutorials print them, with what is wrong with them. The ids
 // H1, H2, ... are those of tests/hazards/; casters/directional.wgsl is the form to use.
@@ -17,7 +17,7 @@ struct ViewBlock {
     viewPos: vec3f, // offset 0
 }
 
-struct LightBlock {
+struct DirectionalBlock {
     light: Light, // offset 0
 }
 
@@ -33,7 +33,7 @@ struct MaterialBlock {
 }
 
 @group(0) @binding(0) var<uniform> view: ViewBlock;
-@group(0) @binding(1) var<uniform> lights: LightBlock;
+@group(0) @binding(1) var<uniform> lights: DirectionalBlock;
 @group(1) @binding(0) var<uniform> transform: TransformBlock;
 @group(2) @binding(0) var<uniform> material: MaterialBlock;
 @group(2) @binding(1) var materialDiffuse: texture_2d<f32>;

@@ -1,6 +1,6 @@
 // A point light that weakens with distance.
 //
-// LightBlock has the same bytes as the std140 block of point_450.frag.
+// PointBlock has the same bytes as the std140 block of point_450.frag.
 //
 // Seed form: the formulas as tutorials print them, with what is wrong with them. The ids
 // H1, H2, ... are those of tests/hazards/; casters/point.wgsl is the form to use.
@@ -21,7 +21,7 @@ struct ViewBlock {
     viewPos: vec3f, // offset 0
 }
 
-struct LightBlock {
+struct PointBlock {
     light: Light, // offset 0
 }
 
@@ -37,7 +37,7 @@ struct MaterialBlock {
 }
 
 @group(0) @binding(0) var<uniform> view: ViewBlock;
-@group(0) @binding(1) var<uniform> lights: LightBlock;
+@group(0) @binding(1) var<uniform> lights: PointBlock;
 @group(1) @binding(0) var<uniform> transform: TransformBlock;
 @group(2) @binding(0) var<uniform> material: MaterialBlock;
 @group(2) @binding(1) var materialDiffuse: texture_2d<f32>;

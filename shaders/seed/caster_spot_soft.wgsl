@@ -1,7 +1,7 @@
 // A spotlight with a soft edge: bright inside the inner cone, ambient light only
 // outside the outer cone, and linear in the cosine between the two.
 //
-// LightBlock has the same bytes as the std140 block of spot_soft_450.frag.
+// SoftSpotBlock has the same bytes as the std140 block of spot_soft_450.frag.
 //
 // Seed form: the formulas as tutorials print them, with what is wrong with them. The ids
 // H1, H2, ... are those of tests/hazards/; casters/spot_soft.wgsl is the form to use.
@@ -25,7 +25,7 @@ struct ViewBlock {
     viewPos: vec3f, // offset 0
 }
 
-struct LightBlock {
+struct SoftSpotBlock {
     light: Light, // offset 0
 }
 
@@ -41,7 +41,7 @@ struct MaterialBlock {
 }
 
 @group(0) @binding(0) var<uniform> view: ViewBlock;
-@group(0) @binding(1) var<uniform> lights: LightBlock;
+@group(0) @binding(1) var<uniform> lights: SoftSpotBlock;
 @group(1) @binding(0) var<uniform> transform: TransformBlock;
 @group(2) @binding(0) var<uniform> material: MaterialBlock;
 @group(2) @binding(1) var materialDiffuse: texture_2d<f32>;
