@@ -379,6 +379,7 @@ pub(super) fn gives_reals(op: Op) -> bool {
             | Op::Normalize(_)
             | Op::Cross
             | Op::Ldexp
+            | Op::Cast(Cast::RoundHalf)
             | Op::DerivativeFine(_)
             | Op::DerivativeCoarse(_)
     )
