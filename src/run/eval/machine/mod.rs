@@ -11,6 +11,7 @@ mod integer;
 mod kernel;
 mod memory;
 mod trace;
+mod unset;
 mod watch;
 mod wide;
 
@@ -147,6 +148,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             let (head, operands) = pool.split_at(usize::from(inst.head));
             if WATCH {
                 self.inspect(pc, inst.op, head, operands);
+                self.inspect_unset(pc, inst.op, operands);
             }
             let this = pc;
             pc += 1;
@@ -183,7 +185,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                 | Op::DDot(_) => self.wide(inst.op, operands),
                 Op::Cast(cast) => self.cast(cast, operands),
                 Op::Select(class) => self.select(class, operands),
-                Op::Move(class) => self.shift(class, operands),
+                Op::Move(class) | Op::Blank(class) => self.shift(class, operands),
                 Op::Store(class) => self.store(class, operands),
                 Op::Load(access) => self.load::<WATCH>(access, head, operands),
                 Op::Save(access) => self.save(access, head, operands),
@@ -225,6 +227,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             if WATCH {
                 self.look_back(this, inst.op, operands);
                 self.trace(this, inst.op, head, operands);
+                self.follow_unset(inst.op, head, operands);
             }
         }
     }

@@ -95,7 +95,7 @@ impl<R: Real> Machine<'_, '_, R> {
         };
         // Copies are looked through.
         match op {
-            Op::Move(class) | Op::Store(class) => {
+            Op::Move(class) | Op::Blank(class) | Op::Store(class) => {
                 let source = t.source(class, group[1]);
                 return t.write(class, group[0], source);
             }
