@@ -6,6 +6,8 @@
 //! does it in `f64` from the same bits.
 
 pub mod frame;
+pub mod reference;
+pub mod sample;
 pub mod scene;
 pub mod upload;
 

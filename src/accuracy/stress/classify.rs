@@ -78,6 +78,7 @@ pub(super) fn examine(
     for seen in &called.called.notes.undefined {
         let kind = seen.kind;
         let hazard = match kind {
+            UndefinedKind::Uninitialised => &h::UNINITIALISED,
             UndefinedKind::IndexOutOfBounds | UndefinedKind::PastEndOfBuffer => {
                 &h::COUNT_PAST_ARRAY
             }
@@ -85,7 +86,8 @@ pub(super) fn examine(
             | UndefinedKind::IntegerOverflow
             | UndefinedKind::ShiftTooFar
             | UndefinedKind::BitsOutOfRange
-            | UndefinedKind::ConversionOutOfRange => &h::UNDEFINED_OPERATION,
+            | UndefinedKind::ConversionOutOfRange
+            | UndefinedKind::NanFromBuffer => &h::UNDEFINED_OPERATION,
             // Those are seen in the trace, with where their operands came from.
             UndefinedKind::DivisionByZero
             | UndefinedKind::ZeroTimesInfinity
@@ -98,6 +100,8 @@ pub(super) fn examine(
             | UndefinedKind::NormalizeOfZero
             | UndefinedKind::SmoothStepEdges
             | UndefinedKind::ClampBounds
+            | UndefinedKind::SquaresTooLarge
+            | UndefinedKind::SquaresTooSmall
             | UndefinedKind::BornNan
             | UndefinedKind::BornInfinite => continue,
         };
@@ -138,11 +142,35 @@ fn undefined(step: &Step) -> Option<UndefinedKind> {
         }
         _ => None,
     };
+    let found = found.or_else(|| squares(step));
     found.or_else(|| {
         let odd = step.results.iter().find(|n| !finite(n))?;
         let nan = odd.single.is_nan() || odd.double.is_nan();
         Some(if nan { U::BornNan } else { U::BornInfinite })
     })
+}
+
+/// What is wrong with the squares that a length is the root of.
+fn squares(step: &Step) -> Option<UndefinedKind> {
+    if !matches!(step.operation, Operation::Normalize | Operation::Length | Operation::Distance) {
+        return None;
+    }
+    let of = |i: usize| step.operands[i].number.double;
+    let half = step.operands.len() / 2;
+    let square: f64 = match step.operation {
+        Operation::Distance => (0..half).map(|i| (of(i) - of(i + half)).powi(2)).sum(),
+        _ => (0..step.operands.len()).map(|i| of(i).powi(2)).sum(),
+    };
+    // The length of one number is no root.
+    if step.operands.len() == 1 || square == 0.0 {
+        None
+    } else if square > f64::from(f32::MAX) {
+        Some(UndefinedKind::SquaresTooLarge)
+    } else if square < f64::from(f32::MIN_POSITIVE) {
+        Some(UndefinedKind::SquaresTooSmall)
+    } else {
+        None
+    }
 }
 
 /// One sample with the graph of its operations.
@@ -203,6 +231,12 @@ impl Look<'_> {
                     _ => (&h::UNDEFINED_OPERATION, Vec::new()),
                 }
             }
+            U::SquaresTooLarge => {
+                (&h::OVERFLOW, self.graph.inputs_of(Self::sources(step)))
+            }
+            U::SquaresTooSmall => {
+                (&h::UNDERFLOW, self.graph.inputs_of(Self::sources(step)))
+            }
             U::BornInfinite | U::BornNan => self.overflow(step),
             U::ZeroTimesInfinity
             | U::RootOfNegative
@@ -210,6 +244,8 @@ impl Look<'_> {
             | U::ArcOutOfRange
             | U::AtanOfZeros
             | U::ClampBounds
+            | U::Uninitialised
+            | U::NanFromBuffer
             | U::IntegerDivisionByZero
             | U::IntegerOverflow
             | U::ShiftTooFar

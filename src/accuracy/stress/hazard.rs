@@ -77,6 +77,9 @@ hazards! {
     BASE_ABOVE_ONE = "H11" "base-above-one" Warn
         "rounding puts a cosine above one, and the power makes much of it"
         "`pow(clamp(x, 0.0, 1.0), n)`";
+    UNINITIALISED = "H12" "uninitialised" Deny
+        "a variable is read before anything is put into it"
+        "initialise it: `vec3 total = vec3(0.0);`";
     HIGHLIGHT_FROM_BEHIND = "H13" "highlight-from-behind" Warn
         "a light below the horizon has a highlight"
         "take the highlight only where `dot(n, l) > 0.0`";

@@ -4,9 +4,10 @@
 
 use super::code::{Class, LANES, Reg};
 use super::machine::Machine;
+use super::permitted::Permitted;
 use super::program::{FunctionCode, Program};
 use super::real::{Real, Shadow};
-use super::stage::{Notes, Precision, Settings, failure, mask, put, refused_for};
+use super::stage::{Notes, Precision, Settings, bits, failure, mask, put, refused_for};
 use super::value::{Value, ValueType};
 use crate::run::reader::{Failure, FailureKind, Resource};
 use crate::shape::{Scalar, ScalarKind};
@@ -36,6 +37,10 @@ pub struct Numbers {
     pub words: Words,
     /// The same as numbers; floats as `f64` where that was computed.
     pub doubles: Vec<Vec<f64>>,
+    /// With [`Precision::Permitted`], of each float: the least and the greatest number that a
+    /// conformant device may give; both infinite where it may give anything. Other scalars have
+    /// their own value twice.
+    pub permitted: Option<Vec<Vec<[f64; 2]>>>,
 }
 
 /// What a call gave.
@@ -47,6 +52,9 @@ pub struct Called {
     pub returned: Vec<Option<Numbers>>,
     /// Invocations that met a `discard`.
     pub discarded: Vec<bool>,
+    /// With [`Precision::Permitted`]: in which invocations a comparison, or an integer made of
+    /// a float, may be another on another device.
+    pub unsure: Vec<bool>,
     /// By resource: what is left in a writable buffer.
     pub buffers: Vec<Option<Vec<u8>>>,
     /// Notes of the run.
@@ -64,6 +72,10 @@ impl Program {
             Precision::Single => self.call_in::<f32>(call, settings),
             Precision::Double => self.call_in::<f64>(call, settings),
             Precision::Both => self.call_in::<Shadow>(call, settings),
+            Precision::Permitted => {
+                self.knows_permitted()?;
+                self.call_in::<Permitted>(call, settings)
+            }
         }
     }
 
@@ -124,13 +136,15 @@ impl Program {
                 .map(|argument| argument.pointer.then(|| Numbers::read(m, &argument.regs, lanes)));
             let returned = returned.collect();
             let result = Numbers::read(m, &code.result, lanes);
-            let discarded = (0..lanes).map(|lane| m.killed >> lane & 1 == 1).collect();
-            Ok(Called { result, returned, discarded, ..Called::default() })
+            let discarded = bits(m.killed, lanes);
+            let unsure = if R::PERMITTED { bits(m.unsure, lanes) } else { Vec::new() };
+            Ok(Called { result, returned, discarded, unsure, ..Called::default() })
         })?;
         let mut called =
             Called { notes: outcome.notes, buffers: outcome.left, ..Called::default() };
         for batch in outcome.results {
             called.discarded.extend(batch.discarded);
+            called.unsure.extend(batch.unsure);
             called.result.append(batch.result);
             if called.returned.is_empty() {
                 called.returned = batch.returned;
@@ -149,8 +163,11 @@ impl Program {
 impl Numbers {
     pub(super) fn read<R: Real>(m: &mut Machine<R>, regs: &[Reg], lanes: usize) -> Numbers {
         let mut numbers = Numbers::default();
+        if R::PERMITTED {
+            numbers.permitted = Some(Vec::with_capacity(regs.len()));
+        }
         for &reg in regs {
-            let (words, doubles) = match reg.class() {
+            let (words, doubles): (Vec<u64>, Vec<f64>) = match reg.class() {
                 Class::Real => m.reals_of(reg)[..lanes]
                     .iter()
                     .map(|x| (u64::from(x.single().to_bits()), x.double()))
@@ -163,6 +180,16 @@ impl Numbers {
                     m.wides_of(reg)[..lanes].iter().map(|&x| (x, f64::from_bits(x))).unzip()
                 }
             };
+            if let Some(permitted) = &mut numbers.permitted {
+                let spans = match reg.class() {
+                    Class::Real => {
+                        let reals = &m.reals_of(reg)[..lanes];
+                        reals.iter().map(|x| x.span().expect("it has one")).collect()
+                    }
+                    Class::Word | Class::Wide => doubles.iter().map(|x| [*x; 2]).collect(),
+                };
+                permitted.push(spans);
+            }
             numbers.words.push(words);
             numbers.doubles.push(doubles);
         }
@@ -178,6 +205,10 @@ impl Numbers {
             all.extend(more);
         }
         for (all, more) in self.doubles.iter_mut().zip(more.doubles) {
+            all.extend(more);
+        }
+        let permitted = self.permitted.iter_mut().flatten();
+        for (all, more) in permitted.zip(more.permitted.into_iter().flatten()) {
             all.extend(more);
         }
     }

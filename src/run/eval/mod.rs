@@ -16,7 +16,9 @@ mod compile;
 mod counts;
 mod flatten;
 mod interface;
+mod interval;
 mod machine;
+mod permitted;
 mod pixels;
 mod program;
 mod reader;
@@ -33,14 +35,17 @@ mod tests;
 pub use call::{Call, Called, Numbers, Words};
 pub use counts::Counts;
 pub use interface::Port;
-pub use program::{FunctionSignature, Parameter, Program};
+pub use program::{Floats, FunctionSignature, Parameter, Program};
 pub use reader::Cpu;
 pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
 pub use trace::{Number, Operand, Operation, Source, Step, Trace};
 pub use undefined::{Divergence, Place, Undefined, UndefinedKind};
 pub use value::{Value, ValueType};
 
+use std::path::Path;
+
 use super::Module;
+use crate::source::{Language, kind_of_path};
 
 /// Bytes of stack for compiling.
 const STACK: usize = 256 << 20;
@@ -51,8 +56,13 @@ impl Program {
     /// A function that uses what is not supported (storage textures, cube maps, ray
     /// queries, subgroup operations) is refused where it is run, by what it uses.
     pub fn new(module: &Module, overrides: &[(String, f64)]) -> Program {
+        Program::rounded(module, overrides, Floats::AsWritten)
+    }
+
+    /// The same with floats rounded to less than they are written as.
+    pub fn rounded(module: &Module, overrides: &[(String, f64)], floats: Floats) -> Program {
         // Blocks may nest as deep as the text does; the stack is touched only as far.
-        let compile = || compile::compile(module, overrides);
+        let compile = || compile::compile(module, overrides, floats);
         let mut program = std::thread::scope(|scope| {
             let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);
             let thread = thread.expect("there is memory for a thread");
@@ -60,6 +70,8 @@ impl Program {
         });
         program.files = module.files.clone();
         program.bases = module.bases.clone();
+        let kind = module.files.get(0).and_then(|file| kind_of_path(Path::new(&file.path)));
+        program.language = kind.map_or(Language::Glsl, |(language, _)| language);
         program
     }
 }

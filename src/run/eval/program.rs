@@ -6,7 +6,7 @@ use super::code::{Access, Class, Inst, Op, Origin, Reg, Values};
 use super::counts::Price;
 use super::interface::{Interface, Port};
 use super::value::ValueType;
-use crate::source::Files;
+use crate::source::{Files, Language};
 
 /// A shader compiled for the evaluator: every function and every entry point of a module.
 #[derive(Clone, Debug)]
@@ -31,6 +31,18 @@ pub struct Program {
     pub(super) start: Result<FunctionCode, String>,
     pub(super) files: Files,
     pub(super) bases: Vec<u32>,
+    /// What it is written in.
+    pub(super) language: Language,
+}
+
+/// What a shader's `f32` are rounded to. The `f64` beside them, or alone, are not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Floats {
+    /// What they are.
+    #[default]
+    AsWritten,
+    /// `f16`, each operation and everything that is read: arguments, inputs, buffers, textures.
+    Half,
 }
 
 /// A buffer the shader has.

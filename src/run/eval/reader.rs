@@ -11,7 +11,7 @@ use super::code::LANES;
 use super::interface::{Plug, Port};
 use super::machine::Machine;
 use super::pixels::{Triangle, tile};
-use super::program::{BufferSpace, Program};
+use super::program::{BufferSpace, Floats, Program};
 use super::real::{Real, Shadow};
 use super::stage::{
     Invocations, Notes, Outcome, Precision, Settings, failure, mask, put, refused_for,
@@ -28,6 +28,7 @@ pub struct Cpu {
     /// What it noted in the last run.
     pub notes: Notes,
     device: Device,
+    floats: Floats,
     /// Modules it has compiled.
     compiled: Vec<(Arc<Module>, Arc<Program>)>,
 }
@@ -41,6 +42,11 @@ const KEPT: usize = 8;
 impl Cpu {
     /// An evaluator that runs like that.
     pub fn new(settings: Settings) -> Cpu {
+        Cpu::rounded(settings, Floats::AsWritten)
+    }
+
+    /// One whose floats are rounded to less than they are written as.
+    pub fn rounded(settings: Settings, floats: Floats) -> Cpu {
         let device = Device {
             reader: "cpu",
             adapter: "landfall evaluator".into(),
@@ -48,7 +54,7 @@ impl Cpu {
             version: env!("CARGO_PKG_VERSION").into(),
             software: true,
         };
-        Cpu { settings, notes: Notes::default(), device, compiled: Vec::new() }
+        Cpu { settings, notes: Notes::default(), device, floats, compiled: Vec::new() }
     }
 
     fn program(&mut self, stage: &StageCode) -> Result<Arc<Program>, Failure> {
@@ -58,7 +64,7 @@ impl Cpu {
         if let Some((_, program)) = self.compiled.iter().find(|(m, _)| Arc::ptr_eq(m, module)) {
             return Ok(program.clone());
         }
-        let program = Arc::new(Program::new(module, &[]));
+        let program = Arc::new(Program::rounded(module, &[], self.floats));
         if self.compiled.len() == KEPT {
             self.compiled.remove(0);
         }
@@ -177,6 +183,8 @@ impl Reader for Cpu {
             Precision::Single => self.run_in::<f32>(job),
             Precision::Double => self.run_in::<f64>(job),
             Precision::Both => self.run_in::<Shadow>(job),
+            // An answer has no room for more than the `f32`.
+            Precision::Permitted => self.run_in::<f32>(job),
         }
     }
 }

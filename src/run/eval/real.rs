@@ -1,10 +1,16 @@
 //! The precisions a shader's floats can be computed in.
 //!
 //! The [`machine`](super::machine) is generic over them: `f32` as a device does
-//! it, rounded at each operation; `f64` as the reference; [`Shadow`] as both.
+//! it, rounded at each operation; `f64` as the reference; [`Shadow`] as both;
+//! [`Permitted`](super::permitted::Permitted) with all that other devices may get.
+
+use super::code::{Cmp, F1, F2};
+use crate::source::Language;
 
 /// A number that stands for a shader's `f32`.
 pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
+    /// Whether it knows what other devices may give in its place.
+    const PERMITTED: bool = false;
     /// From a shader's value; exact.
     fn narrow(x: f32) -> Self;
     /// From a number of more digits than an `f32` has.
@@ -47,6 +53,43 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     fn same(self, b: Self) -> bool;
     /// Rounded to an `f16` where it is an `f32`.
     fn half(self) -> Self;
+    /// A function by its name, which has an accuracy of its own.
+    #[inline(always)]
+    fn function1(self, _: F1, exact: impl Fn(f64) -> f64) -> Self {
+        self.lift1(exact)
+    }
+    /// The same of two operands.
+    #[inline(always)]
+    fn function2(self, _: F2, b: Self, exact: impl Fn(f64, f64) -> f64) -> Self {
+        self.lift2(b, exact)
+    }
+    /// Times itself.
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self.mul(self)
+    }
+    /// The sum of one to four terms, in their order or in any.
+    fn total(terms: &[Self]) -> Self {
+        terms[1..].iter().fold(terms[0], |sum, term| sum.add(*term))
+    }
+    /// A component over its vector's length, which is the root of the sum of squares, as a
+    /// language has it.
+    #[inline(always)]
+    fn over_length(self, length: Self, _squares: Self, _: Language) -> Self {
+        self.div(length)
+    }
+    /// The least and the greatest number a device may have in its place.
+    fn span(self) -> Option<[f64; 2]> {
+        None
+    }
+    /// Whether devices may compare differently.
+    fn unsure(self, _: Cmp, _: Self) -> bool {
+        false
+    }
+    /// Whether devices may make different integers of it.
+    fn unsure_whole(self) -> bool {
+        false
+    }
 }
 
 macro_rules! plain {

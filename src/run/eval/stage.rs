@@ -7,10 +7,11 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 use super::call::{Numbers, Words};
-use super::code::{Class, LANES, Reg};
+use super::code::{Cast, Class, Inst, LANES, Op, Reg};
 use super::counts::{Counts, Tally};
 use super::interface::Port;
 use super::machine::{Image, Machine, Memory, Seen, Stopped, Tracer, Watch};
+use super::permitted::Permitted;
 use super::program::{BufferSpace, Program};
 use super::real::{Real, Shadow};
 use super::trace::Trace;
@@ -27,6 +28,10 @@ pub enum Precision {
     Double,
     /// Both side by side; branches follow the `f32`.
     Both,
+    /// `f32`, and around it all that any conformant device may give for what is written:
+    /// [`Numbers::permitted`]. Branches follow the `f32`; where they are not sure to elsewhere
+    /// is in `unsure`. Not known: `f16`; what is stored in buffers is the `f32` alone.
+    Permitted,
 }
 
 /// How to run.
@@ -94,6 +99,9 @@ pub struct Outputs {
     pub ports: Vec<(Port, Numbers)>,
     /// Which invocations were discarded.
     pub discarded: Vec<bool>,
+    /// With [`Precision::Permitted`]: in which invocations a comparison, or an integer made of
+    /// a float, may be another on another device.
+    pub unsure: Vec<bool>,
     /// By resource: what is left in a buffer that the entry point writes.
     pub buffers: Vec<Option<Vec<u8>>>,
     /// Notes of the run.
@@ -117,6 +125,10 @@ impl Program {
             Precision::Single => self.entry_in::<f32>(entry, invocations, resources, settings),
             Precision::Double => self.entry_in::<f64>(entry, invocations, resources, settings),
             Precision::Both => self.entry_in::<Shadow>(entry, invocations, resources, settings),
+            Precision::Permitted => {
+                self.knows_permitted()?;
+                self.entry_in::<Permitted>(entry, invocations, resources, settings)
+            }
         }
     }
 
@@ -153,13 +165,15 @@ impl Program {
                     .iter()
                     .map(|plug| (plug.port, Numbers::read(m, &plug.regs, lanes)))
                     .collect();
-                let discarded = (0..lanes).map(|lane| m.killed >> lane & 1 == 1).collect();
-                Ok(Outputs { ports, discarded, ..Outputs::default() })
+                let discarded = bits(m.killed, lanes);
+                let unsure = if R::PERMITTED { bits(m.unsure, lanes) } else { Vec::new() };
+                Ok(Outputs { ports, discarded, unsure, ..Outputs::default() })
             })?;
         let mut outputs =
             Outputs { notes: outcome.notes, buffers: outcome.left, ..Outputs::default() };
         for batch in outcome.results {
             outputs.discarded.extend(batch.discarded);
+            outputs.unsure.extend(batch.unsure);
             if outputs.ports.is_empty() {
                 outputs.ports = batch.ports;
                 continue;
@@ -193,6 +207,11 @@ pub(super) fn refused_for(why: &str) -> Failure {
     failure(FailureKind::Refused, format!("the evaluator does not know {why}"))
 }
 
+/// Each lane's bit.
+pub(super) fn bits(of: u64, lanes: usize) -> Vec<bool> {
+    (0..lanes).map(|lane| of >> lane & 1 == 1).collect()
+}
+
 /// The lowest lanes.
 pub(super) fn mask(lanes: usize) -> u64 {
     if lanes >= LANES { u64::MAX } else { (1 << lanes) - 1 }
@@ -215,6 +234,17 @@ pub(super) fn put<R: Real>(m: &mut Machine<R>, reg: Reg, words: &[u64]) {
             let to = m.wides_of(reg);
             (0..LANES).for_each(|i| to[i] = word(i));
         }
+    }
+}
+
+impl Program {
+    /// Whether the accuracy of every instruction is known.
+    pub(super) fn knows_permitted(&self) -> Result<(), Failure> {
+        let half = |inst: &Inst| inst.op == Op::Cast(Cast::RoundHalf);
+        if self.code.iter().any(half) {
+            return Err(refused_for("what is permitted of `f16`"));
+        }
+        Ok(())
     }
 }
 

@@ -11,11 +11,12 @@ use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Va
 use super::super::counts::price;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
-use super::super::program::{Argument, BufferInfo, FunctionCode, ImageInfo, Program};
+use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInfo, Program};
 use super::super::tidy;
 use super::function::Compiled;
 use super::nowhere;
 use crate::run::module::Locals;
+use crate::source::Language;
 
 pub(super) struct Builder<'a> {
     pub ir: &'a naga::Module,
@@ -23,6 +24,9 @@ pub(super) struct Builder<'a> {
     pub types: Types<'a>,
     pub overrides: &'a [Option<f64>],
     pub locals: Locals,
+    pub floats: Floats,
+    /// Whether what is being compiled is rounded to `f16`.
+    pub rounds: bool,
     pub buffers: Vec<BufferInfo>,
     pub images: Vec<ImageInfo>,
     pub accesses: Vec<Access>,
@@ -65,6 +69,7 @@ impl<'a> Builder<'a> {
         info: &'a ModuleInfo,
         pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
         overrides: &'a [Option<f64>],
+        floats: Floats,
     ) -> Builder<'a> {
         Builder {
             ir,
@@ -72,6 +77,8 @@ impl<'a> Builder<'a> {
             types: Types { arena: &ir.types, pending, counted: RefCell::default() },
             overrides,
             locals: Locals::Zeros,
+            floats,
+            rounds: false,
             buffers: Vec::new(),
             images: Vec::new(),
             accesses: Vec::new(),
@@ -344,6 +351,7 @@ impl<'a> Builder<'a> {
             start,
             files: Default::default(),
             bases: Vec::new(),
+            language: Language::Wgsl,
         }
     }
 }

@@ -7,6 +7,7 @@ use naga::{AddressSpace, Expression, Handle, Literal, ScalarKind, TypeInner};
 
 use super::super::code::{Axis, Class, Op, Reg};
 use super::super::flatten::class;
+use super::super::program::Floats;
 use super::Global;
 use super::function::{Function, Resolved, Value};
 use super::pointer::Root;
@@ -14,6 +15,21 @@ use super::pointer::Root;
 impl Function<'_, '_> {
     /// Compiles an expression where it stands.
     pub fn expression(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
+        let rounds = match self.b.floats {
+            Floats::AsWritten => false,
+            Floats::Half => true,
+        };
+        let outer = std::mem::replace(&mut self.b.rounds, rounds);
+        let value = self.unrounded(handle);
+        self.b.rounds = outer;
+        match value? {
+            Value::Regs(regs) if rounds => Ok(Value::Regs(self.halves(&regs))),
+            value => Ok(value),
+        }
+    }
+
+    /// An expression whose operations are rounded, but not what it only reads.
+    fn unrounded(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
         let arena = self.arena;
         let regs = match &arena[handle] {
             Expression::Literal(literal) => [self.literal(*literal)?].into(),

@@ -42,6 +42,10 @@ impl Function<'_, '_> {
             M::Step => self.f2(F2::Step, scalar, &a, &b),
             M::Clamp => self.f3(F3::Clamp, scalar, &a, &b, &c),
             M::Fma => self.f3(F3::Fma, scalar, &a, &b, &c),
+            M::Mix if scalar.width == 4 && self.b.rounds => self.mix_by_steps(&a, &b, &c),
+            M::SmoothStep if scalar.width == 4 && self.b.rounds => {
+                self.smoothstep_by_steps(&a, &b, &c)
+            }
             M::Mix => self.f3(F3::Mix, scalar, &a, &b, &c),
             M::SmoothStep => self.f3(F3::SmoothStep, scalar, &a, &b, &c),
             M::Modf => {
@@ -67,7 +71,7 @@ impl Function<'_, '_> {
                 }
                 product.into()
             }
-            M::Cross if scalar.width == 4 => {
+            M::Cross if scalar.width == 4 && !self.b.rounds => {
                 let to = self.b.temporaries(Class::Real, 3);
                 let operands: Vec<u32> =
                     to.iter().chain(a.iter()).chain(b.iter()).map(|reg| reg.0).collect();
@@ -83,7 +87,7 @@ impl Function<'_, '_> {
                 self.f2(F2::Sub, scalar, &left, &right)
             }
             M::Length => self.length(scalar, &a),
-            M::Distance if scalar.width == 4 => {
+            M::Distance if scalar.width == 4 && !self.b.rounds => {
                 let operands: Vec<u32> = a.iter().chain(b.iter()).map(|reg| reg.0).collect();
                 self.fused(Op::Distance(n as u8), 1, &operands)
             }
@@ -91,7 +95,7 @@ impl Function<'_, '_> {
                 let between = self.f2(F2::Sub, scalar, &a, &b);
                 self.length(scalar, &between)
             }
-            M::Normalize if scalar.width == 4 => {
+            M::Normalize if scalar.width == 4 && !self.b.rounds => {
                 let operands: Vec<u32> = a.iter().map(|reg| reg.0).collect();
                 self.fused(Op::Normalize(n as u8), n, &operands)
             }
@@ -157,6 +161,29 @@ impl Function<'_, '_> {
         }
     }
 
+    /// `x * (1 - a) + y * a`, each step rounded: GLSL 4.60 §8.3.
+    fn mix_by_steps(&mut self, x: &[Reg], y: &[Reg], a: &[Reg]) -> Rc<[Reg]> {
+        let (f32, one) = (Scalar::F32, self.b.real(1.0));
+        let rest = self.f2(F2::Sub, f32, &[one], a);
+        let left = self.f2(F2::Mul, f32, x, &rest);
+        let right = self.f2(F2::Mul, f32, y, a);
+        self.f2(F2::Add, f32, &left, &right)
+    }
+
+    /// `t * t * (3 - 2 * t)`, each step rounded: GLSL 4.60 §8.3.
+    fn smoothstep_by_steps(&mut self, low: &[Reg], high: &[Reg], x: &[Reg]) -> Rc<[Reg]> {
+        let f32 = Scalar::F32;
+        let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(|x| self.b.real(x));
+        let past = self.f2(F2::Sub, f32, x, low);
+        let width = self.f2(F2::Sub, f32, high, low);
+        let quotient = self.f2(F2::Div, f32, &past, &width);
+        let t = self.f3(F3::Clamp, f32, &quotient, &[zero], &[one]);
+        let twice = self.f2(F2::Mul, f32, &[two], &t);
+        let rest = self.f2(F2::Sub, f32, &[three], &twice);
+        let square = self.f2(F2::Mul, f32, &t, &t);
+        self.f2(F2::Mul, f32, &square, &rest)
+    }
+
     fn fused(&mut self, op: Op, results: usize, operands: &[u32]) -> Rc<[Reg]> {
         let to = self.b.temporaries(Class::Real, results);
         let all: Vec<u32> = to.iter().map(|reg| reg.0).chain(operands.iter().copied()).collect();
@@ -168,7 +195,7 @@ impl Function<'_, '_> {
         if a.len() == 1 {
             return self.f1(F1::Abs, scalar, a);
         }
-        if scalar.width == 4 {
+        if scalar.width == 4 && !self.b.rounds {
             let operands: Vec<u32> = a.iter().map(|reg| reg.0).collect();
             return self.fused(Op::Length(a.len() as u8), 1, &operands);
         }
@@ -210,10 +237,13 @@ impl Function<'_, '_> {
     fn pack(&mut self, a: &[Reg], bits: u32, low: f32, scale: f32, unsigned: bool) -> Rc<[Reg]> {
         let numbers = [low, 1.0, scale, 0.5].map(|x| self.b.real(x));
         let f32 = Scalar::F32;
+        // The fields have more bits than an `f16` has.
+        let rounds = std::mem::replace(&mut self.b.rounds, false);
         let clamped = self.f3(F3::Clamp, f32, a, &numbers[..1], &numbers[1..2]);
         let scaled = self.f2(F2::Mul, f32, &clamped, &numbers[2..3]);
         let shifted = self.f2(F2::Add, f32, &scaled, &numbers[3..]);
         let floored = self.f1(F1::Floor, f32, &shifted);
+        self.b.rounds = rounds;
         let cast = if unsigned { Cast::RealToUint } else { Cast::RealToSint };
         let fields = self.each1(Op::Cast(cast), Class::Word, &floored);
         self.together(&fields, bits)

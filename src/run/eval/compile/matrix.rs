@@ -11,6 +11,9 @@ use super::function::Function;
 impl Function<'_, '_> {
     /// One sum of products for each pair of lists.
     pub fn dots(&mut self, scalar: Scalar, pairs: &[(Vec<Reg>, Vec<Reg>)]) -> Rc<[Reg]> {
+        if scalar.width == 4 && self.b.rounds {
+            return pairs.iter().map(|(a, b)| self.dot_by_steps(scalar, a, b)).collect();
+        }
         let class = if scalar.width == 8 { Class::Wide } else { Class::Real };
         let to = self.b.temporaries(class, pairs.len());
         let mut operands = Vec::new();
@@ -21,6 +24,15 @@ impl Function<'_, '_> {
         let n = pairs[0].0.len() as u8;
         self.b.push(if scalar.width == 8 { Op::DDot(n) } else { Op::Dot(n) }, &[], &operands);
         self.narrowed(scalar, to.into())
+    }
+
+    fn dot_by_steps(&mut self, scalar: Scalar, a: &[Reg], b: &[Reg]) -> Reg {
+        let products = self.f2(F2::Mul, scalar, a, b);
+        let mut sum = products[0];
+        for product in &products[1..] {
+            sum = self.f2(F2::Add, scalar, &[sum], &[*product])[0];
+        }
+        sum
     }
 
     /// A product that is not component by component; none if it is.

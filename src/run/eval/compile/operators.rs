@@ -53,9 +53,21 @@ impl Function<'_, '_> {
         to.into()
     }
 
+    /// The nearest `f16` of those that are floats of 16 or 32 bits.
+    pub fn halves(&mut self, regs: &[Reg]) -> Rc<[Reg]> {
+        let half = |this: &mut Self, reg: &Reg| match reg.class() {
+            Class::Real => this.each1(Op::Cast(Cast::RoundHalf), Class::Real, &[*reg])[0],
+            Class::Word | Class::Wide => *reg,
+        };
+        regs.iter().map(|reg| half(self, reg)).collect()
+    }
+
     /// Rounds what is of 16 bits.
     pub fn narrowed(&mut self, scalar: Scalar, regs: Rc<[Reg]>) -> Rc<[Reg]> {
         match (scalar.kind, scalar.width) {
+            (ScalarKind::Float, 4) if self.b.rounds => {
+                self.each1(Op::Cast(Cast::RoundHalf), Class::Real, &regs)
+            }
             (ScalarKind::Float, 2) => self.each1(Op::Cast(Cast::RoundHalf), Class::Real, &regs),
             (ScalarKind::Sint, 2) => self.each1(Op::I1(I1::Narrow16Sint), Class::Word, &regs),
             (ScalarKind::Uint, 2) => self.each1(Op::I1(I1::Narrow16Uint), Class::Word, &regs),

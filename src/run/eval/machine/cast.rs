@@ -15,6 +15,11 @@ impl<R: Real> Machine<'_, '_, R> {
     pub(super) fn cast(&mut self, cast: Cast, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let [to, from] = [group[0], group[1]];
+            if R::PERMITTED && matches!(cast, Cast::RealToSint | Cast::RealToUint) {
+                for (lane, x) in column(&self.reals, from).iter().enumerate() {
+                    self.unsure |= u64::from(x.unsure_whole()) << lane & self.active;
+                }
+            }
             match cast {
                 Cast::RealToSint => self.real_word(to, from, |x| x.whole() as i32 as u32),
                 Cast::RealToUint => self.real_word(to, from, |x| x.whole() as u32),

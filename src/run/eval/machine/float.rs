@@ -23,8 +23,8 @@ pub(super) fn transcendental(f: F1, x: f64) -> f64 {
         F1::Acos => x.acos(),
         F1::Atan => x.atan(),
         F1::Asinh => x.asinh(),
-        F1::Acosh => x.acosh(),
-        F1::Atanh => x.atanh(),
+        F1::Acosh => acosh(x),
+        F1::Atanh => atanh(x),
         F1::Exp => x.exp(),
         F1::Exp2 => x.exp2(),
         F1::Log => x.ln(),
@@ -47,8 +47,20 @@ pub(super) fn transcendental(f: F1, x: f64) -> f64 {
     }
 }
 
+/// By `x - 1`: the library's form (Rust 1.95) has no digits left of it beside 1.
+fn acosh(x: f64) -> f64 {
+    let past = x - 1.0;
+    (past + past.sqrt() * (past + 2.0).sqrt()).ln_1p()
+}
+
+/// Of the absolute value: the library's form (Rust 1.95) loses digits beside -1.
+fn atanh(x: f64) -> f64 {
+    let size = x.abs();
+    (0.5 * (2.0 * size / (1.0 - size)).ln_1p()).copysign(x)
+}
+
 /// Fraction from 0.5 to 1 and exponent.
-pub(super) fn frexp(x: f64) -> (f64, i32) {
+pub(in crate::run::eval) fn frexp(x: f64) -> (f64, i32) {
     if x == 0.0 || !x.is_finite() {
         return (x, 0);
     }
@@ -70,6 +82,7 @@ pub(super) fn simple1<R: Real>(f: F1) -> Option<fn(R) -> R> {
     Some(match f {
         F1::Neg => |x| x.neg(),
         F1::Abs => |x| x.abs(),
+        F1::Sign if R::PERMITTED => |x| x.function1(F1::Sign, sign),
         F1::Sign => |x| {
             let one = R::narrow(1.0);
             let s = x.double();
@@ -92,9 +105,13 @@ pub(super) fn simple1<R: Real>(f: F1) -> Option<fn(R) -> R> {
     })
 }
 
+fn sign(x: f64) -> f64 {
+    if x == 0.0 { x } else { x.signum() }
+}
+
 pub(super) fn step<R: Real>(edge: R, x: R) -> R {
     // Both parts of a shadow decide for themselves.
-    x.lift2(edge, |x, edge| f64::from(u8::from(edge <= x)))
+    x.function2(F2::Step, edge, |x, edge| f64::from(u8::from(edge <= x)))
 }
 
 #[inline(always)]
@@ -156,13 +173,16 @@ impl<R: Real> Machine<'_, '_, R> {
                 self.each1(operands, |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)));
             }
             F1::Sqrt => self.each1(operands, |x| x.sqrt()),
-            F1::InverseSqrt => self.each1(operands, |x| x.lift1(|x| 1.0 / x.sqrt())),
+            F1::InverseSqrt => {
+                self.each1(operands, |x| x.function1(f, |x| 1.0 / x.sqrt()));
+            }
             F1::Sign => {
                 let sign = simple1::<R>(F1::Sign).expect("it is one of them");
                 self.each1(operands, sign);
             }
-            F1::Radians => self.each1(operands, |x| x.lift1(|x| transcendental(F1::Radians, x))),
-            F1::Degrees => self.each1(operands, |x| x.lift1(|x| transcendental(F1::Degrees, x))),
+            F1::Radians | F1::Degrees => {
+                self.each1(operands, |x| x.function1(f, |x| transcendental(f, x)));
+            }
             _ => self.transcendental1(f, operands),
         }
     }
@@ -172,7 +192,13 @@ impl<R: Real> Machine<'_, '_, R> {
             let agree = self.agree(group[1]);
             let mut to = take(&mut self.reals, group[0]);
             let a = column(&self.reals, group[1]);
-            dear(&mut to, self.active, agree, |i| a[i], |x| x.lift1(|x| transcendental(f, x)));
+            dear(
+                &mut to,
+                self.active,
+                agree,
+                |i| a[i],
+                |x| x.function1(f, |x| transcendental(f, x)),
+            );
             self.reals[group[0] as usize] = Some(to);
         }
     }
@@ -181,14 +207,22 @@ impl<R: Real> Machine<'_, '_, R> {
         match f {
             F2::Add => self.each2(operands, |a, b| a.add(b)),
             F2::Sub => self.each2(operands, |a, b| a.sub(b)),
+            F2::Mul if R::PERMITTED => {
+                for group in operands.chunks_exact(3) {
+                    match group[1] == group[2] {
+                        true => self.each1(&group[..2], R::squared),
+                        false => self.each2(group, R::mul),
+                    }
+                }
+            }
             F2::Mul => self.each2(operands, |a, b| a.mul(b)),
             F2::Div => self.each2(operands, |a, b| a.div(b)),
             F2::Min => self.each2(operands, |a, b| a.min(b)),
             F2::Max => self.each2(operands, |a, b| a.max(b)),
             F2::Step => self.each2(operands, step),
             F2::Rem => self.transcendental2(operands, |a, b| a.rem(b)),
-            F2::Pow => self.transcendental2(operands, |a, b| a.lift2(b, pow)),
-            F2::Atan2 => self.transcendental2(operands, |a, b| a.lift2(b, f64::atan2)),
+            F2::Pow => self.transcendental2(operands, |a, b| a.function2(f, b, pow)),
+            F2::Atan2 => self.transcendental2(operands, |a, b| a.function2(f, b, f64::atan2)),
         }
     }
 
@@ -229,6 +263,15 @@ impl<R: Real> Machine<'_, '_, R> {
             Cmp::Gt => each!(>),
             Cmp::Ge => each!(>=),
         }
+        if R::PERMITTED {
+            for group in operands.chunks_exact(3) {
+                let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
+                for lane in 0..LANES {
+                    let unsure = u64::from(a[lane].unsure(cmp, b[lane])) << lane;
+                    self.unsure |= unsure & self.active;
+                }
+            }
+        }
     }
 
     pub(super) fn test_reals(&mut self, test: Test, operands: &[u32]) {
@@ -257,6 +300,14 @@ impl<R: Real> Machine<'_, '_, R> {
             let (a, b) = group[1..].split_at(n);
             let of = |reg: u32| column(&self.reals, reg);
             match n {
+                _ if R::PERMITTED => {
+                    products_in_any_order(
+                        &mut to,
+                        |i, lane| (of(a[i])[lane], of(b[i])[lane]),
+                        n,
+                        a == b,
+                    );
+                }
                 2 => dot2([of(a[0]), of(a[1])], [of(b[0]), of(b[1])], &mut to),
                 3 => dot3([of(a[0]), of(a[1]), of(a[2])], [of(b[0]), of(b[1]), of(b[2])], &mut to),
                 _ => {
@@ -279,12 +330,19 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     fn length_of(&self, v: &[u32], to: &mut [R; LANES]) {
+        self.squares_of(v, to);
+        to.iter_mut().for_each(|x| *x = x.sqrt());
+    }
+
+    fn squares_of(&self, v: &[u32], to: &mut [R; LANES]) {
         let of = |reg: u32| column(&self.reals, reg);
+        if R::PERMITTED {
+            return products_in_any_order(to, |i, lane| [of(v[i])[lane]; 2].into(), v.len(), true);
+        }
         map2(to, of(v[0]), of(v[0]), |a, b| a.mul(b));
         for reg in &v[1..] {
             accumulate(to, of(*reg), of(*reg));
         }
-        to.iter_mut().for_each(|x| *x = x.sqrt());
     }
 
     pub(super) fn distance(&mut self, n: usize, operands: &[u32]) {
@@ -294,6 +352,10 @@ impl<R: Real> Machine<'_, '_, R> {
             let of = |reg: u32| column(&self.reals, reg);
             if n == 1 {
                 map2(&mut to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
+            } else if R::PERMITTED {
+                let between = |i: usize, lane: usize| of(a[i])[lane].sub(of(b[i])[lane]);
+                products_in_any_order(&mut to, |i, lane| [between(i, lane); 2].into(), n, true);
+                to.iter_mut().for_each(|x| *x = x.sqrt());
             } else {
                 map2(&mut to, of(a[0]), of(b[0]), |a, b| a.sub(b).mul(a.sub(b)));
                 for (a, b) in a.iter().zip(b).skip(1) {
@@ -313,11 +375,16 @@ impl<R: Real> Machine<'_, '_, R> {
     pub(super) fn normalize(&mut self, n: usize, operands: &[u32]) {
         for group in operands.chunks_exact(2 * n) {
             let (to, from) = group.split_at(n);
-            let mut length = [R::default(); LANES];
-            self.length_of(from, &mut length);
+            let language = self.program.language;
+            let mut squares = [R::default(); LANES];
+            self.squares_of(from, &mut squares);
+            let length = squares.map(R::sqrt);
             for (to, from) in to.iter().zip(from) {
                 let mut quotient = take(&mut self.reals, *to);
-                map2(&mut quotient, column(&self.reals, *from), &length, |a, b| a.div(b));
+                let from = column(&self.reals, *from);
+                map3(&mut quotient, from, &length, &squares, |a, b, c| {
+                    a.over_length(b, c, language)
+                });
                 self.reals[*to as usize] = Some(quotient);
             }
         }
@@ -358,6 +425,23 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             self.reals[group[0] as usize] = Some(to);
         }
+    }
+}
+
+/// Sums of products for a number that knows what other devices may give.
+fn products_in_any_order<R: Real>(
+    to: &mut [R; LANES],
+    factors: impl Fn(usize, usize) -> (R, R),
+    n: usize,
+    squares: bool,
+) {
+    for (lane, to) in to.iter_mut().enumerate() {
+        let mut products = [R::default(); 4];
+        for (i, product) in products[..n].iter_mut().enumerate() {
+            let (a, b) = factors(i, lane);
+            *product = if squares { a.squared() } else { a.mul(b) };
+        }
+        *to = R::total(&products[..n]);
     }
 }
 

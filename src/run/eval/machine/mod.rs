@@ -23,6 +23,7 @@ use super::counts::Tally;
 use super::program::Program;
 use super::real::Real;
 use control::Frame;
+pub(super) use float::frexp;
 pub(super) use trace::Tracer;
 pub(super) use watch::{Seen, Watch};
 
@@ -70,6 +71,8 @@ pub(super) struct Machine<'p, 'j, R> {
     count: u64,
     /// Lanes that were discarded.
     pub killed: u64,
+    /// Lanes in which a comparison, or an integer made of a float, may be another elsewhere.
+    pub unsure: u64,
     frames: Vec<Frame>,
     /// The active lanes as all ones, as of `mask_of`.
     mask: [u32; LANES],
@@ -101,6 +104,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             active: 0,
             count: 0,
             killed: 0,
+            unsure: 0,
             frames: Vec::with_capacity(64),
             mask: [0; LANES],
             mask_of: 0,
@@ -116,7 +120,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
 
     /// Runs a function over the lanes of a mask, private variables as they start out.
     pub fn invoke(&mut self, function: u32, start: u32, lanes: u64) -> Result<(), Stopped> {
-        self.killed = 0;
+        (self.killed, self.unsure) = (0, 0);
         self.steps = [0; LANES];
         self.batch_steps = 0;
         if let Ok(code) = &self.program.start {

@@ -4,9 +4,11 @@ mod support;
 
 mod builtins;
 mod control;
+mod half;
 mod integers;
 mod lighting;
 mod memory;
 mod notes;
+mod permitted;
 mod random;
 mod readers;

@@ -1,0 +1,400 @@
+//! What any conformant device may give: intervals of `f64` by the accuracies that WGSL §15.7.4
+//! and Vulkan's "Precision and Operation of SPIR-V Instructions" permit for `f32`.
+//!
+//! [`permitted`](super::permitted) computes with them. Where a specification defines a function
+//! by a formula, its interval is that formula's; where it gives no value, every value.
+
+use std::f64::consts::PI;
+
+/// The numbers from `low` to `high`.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub(super) struct Interval {
+    pub low: f64,
+    pub high: f64,
+}
+
+/// Any value at all, NaN too: what is computed from it is any value again.
+pub(super) const ANY: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+
+const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
+
+/// Distance of the two floats about `x`, that of the subnormals near zero (Muller's ULP).
+fn ulp(x: f64) -> f64 {
+    let exponent = (x.abs().to_bits() >> 52) as i32 - 1023 - 23;
+    2f64.powi(exponent.max(-149))
+}
+
+/// The next `f32` not above.
+fn down(x: f64) -> f64 {
+    let near = x as f32;
+    f64::from(if f64::from(near) > x { near.next_down() } else { near })
+}
+
+fn up(x: f64) -> f64 {
+    -down(-x)
+}
+
+/// A sum, moved by one `f64` to where its rounding came from: `down` sees every digit.
+fn sum(a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    let part = sum - a;
+    let lost = (a - (sum - part)) + (b - part);
+    match lost {
+        _ if !sum.is_finite() => sum,
+        _ if lost > 0.0 => sum.next_up(),
+        _ if lost < 0.0 => sum.next_down(),
+        _ => sum,
+    }
+}
+
+/// The least interval with all these; any, if one is no number.
+fn hull<const N: usize>(values: [f64; N]) -> Interval {
+    if values.iter().any(|v| v.is_nan()) {
+        return ANY;
+    }
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    Interval { low, high: values.iter().copied().fold(f64::NEG_INFINITY, f64::max) }
+}
+
+impl Interval {
+    /// A value; a subnormal may be flushed to zero.
+    pub fn of(x: f32) -> Interval {
+        if x.is_finite() { Interval::exactly(f64::from(x)).flushed() } else { ANY }
+    }
+
+    /// A number that may be no float: rounded either way.
+    pub fn near(x: f64) -> Interval {
+        Interval::exactly(x).rounded()
+    }
+
+    fn exactly(x: f64) -> Interval {
+        Interval { low: x, high: x }
+    }
+
+    pub fn or(self, other: Interval) -> Interval {
+        Interval { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    pub fn is_any(self) -> bool {
+        self.low == f64::NEG_INFINITY && self.high == f64::INFINITY
+    }
+
+    /// What `f` gives unless an operand may be anything.
+    fn unless_any(self, f: impl FnOnce(Interval) -> Interval) -> Interval {
+        if self.is_any() { ANY } else { f(self) }
+    }
+
+    fn flushed(self) -> Interval {
+        if self.low < SMALLEST_NORMAL && self.high > -SMALLEST_NORMAL {
+            return Interval { low: self.low.min(0.0), high: self.high.max(0.0) };
+        }
+        self
+    }
+
+    /// Correctly rounded in either direction. What may overflow may be anything.
+    pub fn rounded(self) -> Interval {
+        let most = f64::from(f32::MAX);
+        if !(self.low >= -most && self.high <= most) {
+            return ANY;
+        }
+        Interval { low: down(self.low), high: up(self.high) }.flushed()
+    }
+
+    fn within(self, low: f64, high: f64) -> Interval {
+        let most = f64::from(f32::MAX);
+        let wide = Interval { low: self.low - low, high: self.high + high };
+        if wide.low >= -most && wide.high <= most { wide.flushed() } else { ANY }
+    }
+
+    fn ulps(self, count: f64) -> Interval {
+        self.within(count * ulp(self.low), count * ulp(self.high))
+    }
+
+    fn absolute(self, error: f64) -> Interval {
+        self.within(error, error)
+    }
+
+    pub fn neg(self) -> Interval {
+        Interval { low: -self.high, high: -self.low }
+    }
+
+    pub fn abs(self) -> Interval {
+        self.unless_any(|x| {
+            let high = x.high.max(-x.low);
+            Interval { low: x.low.max(-x.high).max(0.0), high }
+        })
+    }
+
+    pub fn add(self, other: Interval) -> Interval {
+        Interval { low: sum(self.low, other.low), high: sum(self.high, other.high) }.rounded()
+    }
+
+    pub fn sub(self, other: Interval) -> Interval {
+        self.add(other.neg())
+    }
+
+    pub fn mul(self, other: Interval) -> Interval {
+        let (a, b) = (self, other);
+        if a.is_any() || b.is_any() {
+            return ANY;
+        }
+        hull([a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high]).rounded()
+    }
+
+    /// Of one value with itself: never negative.
+    pub fn squared(self) -> Interval {
+        self.abs().unless_any(|x| hull([x.low * x.low, x.high * x.high]).rounded())
+    }
+
+    /// 2.5 ULP where the divisor is of 2^-126 to 2^126.
+    pub fn div(self, other: Interval) -> Interval {
+        let (a, b) = (self, other);
+        let most = 2f64.powi(126);
+        if a.is_any() || b.low <= 0.0 && b.high >= 0.0 || !(b.low >= -most && b.high <= most) {
+            return ANY;
+        }
+        hull([a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high]).ulps(2.5)
+    }
+
+    /// `a - b * trunc(a / b)`.
+    pub fn rem(self, other: Interval) -> Interval {
+        let quotient = self.div(other);
+        self.sub(other.mul(quotient.monotone(f64::trunc)))
+    }
+
+    /// What an exact rising function makes of it.
+    pub fn monotone(self, f: impl Fn(f64) -> f64) -> Interval {
+        self.unless_any(|x| hull([f(x.low), f(x.high)]))
+    }
+
+    /// What a rising function makes of it, each end with an error of its own.
+    fn rising(self, f: impl Fn(f64) -> f64, error: impl Fn(f64, f64) -> f64) -> Interval {
+        self.unless_any(|x| {
+            let (low, high) = (f(x.low), f(x.high));
+            hull([low, high]).unless_any(|y| y.within(error(x.low, low), error(x.high, high)))
+        })
+    }
+
+    /// 2 ULP.
+    pub fn inverse_sqrt(self) -> Interval {
+        if self.low <= 0.0 {
+            return ANY;
+        }
+        hull([1.0 / self.low.sqrt(), 1.0 / self.high.sqrt()]).ulps(2.0)
+    }
+
+    /// `1 / inverseSqrt(x)`; of zero it is zero.
+    pub fn sqrt(self) -> Interval {
+        let one = Interval::exactly(1.0);
+        match self.low {
+            low if low < 0.0 || self.is_any() => ANY,
+            0.0 => {
+                let high = self.high.max(SMALLEST_NORMAL);
+                let top = one.div(Interval::exactly(high).inverse_sqrt()).high;
+                Interval { low: 0.0, high: if self.high == 0.0 { 0.0 } else { top } }
+            }
+            _ => one.div(self.inverse_sqrt()),
+        }
+    }
+
+    /// 3 + 2|x| ULP.
+    pub fn exp(self) -> Interval {
+        self.rising(f64::exp, |x, y| (3.0 + 2.0 * x.abs()) * ulp(y)).not_below(0.0)
+    }
+
+    /// 3 + 2|x| ULP.
+    pub fn exp2(self) -> Interval {
+        self.rising(f64::exp2, |x, y| (3.0 + 2.0 * x.abs()) * ulp(y)).not_below(0.0)
+    }
+
+    /// The error of a small result may reach below what the function has.
+    fn not_below(self, least: f64) -> Interval {
+        self.unless_any(|x| Interval { low: x.low.max(least), ..x })
+    }
+
+    /// 2^-21 from 0.5 to 2, else 3 ULP.
+    fn logarithm(self, f: fn(f64) -> f64) -> Interval {
+        if self.low <= 0.0 {
+            return ANY;
+        }
+        let near = 2f64.powi(-21);
+        self.rising(f, |x, y| if (0.5..=2.0).contains(&x) { near } else { 3.0 * ulp(y) })
+    }
+
+    pub fn ln(self) -> Interval {
+        self.logarithm(f64::ln)
+    }
+
+    pub fn log2(self) -> Interval {
+        self.logarithm(f64::log2)
+    }
+
+    /// `exp2(y * log2(x))`; of zero to a positive power it is zero.
+    pub fn pow(self, y: Interval) -> Interval {
+        let positive = |x: Interval| y.mul(x.log2()).exp2();
+        match self.low {
+            0.0 if self.high == 0.0 && y.low > 0.0 => self,
+            0.0 if y.low > 0.0 => {
+                Interval { low: 0.0, ..positive(Interval::exactly(self.high)) }.or_any()
+            }
+            _ => positive(self),
+        }
+    }
+
+    /// Any, if one end is.
+    fn or_any(self) -> Interval {
+        if self.high == f64::INFINITY || self.low == f64::NEG_INFINITY { ANY } else { self }
+    }
+
+    /// 2^-11 from -π to π; no accuracy beyond.
+    pub fn cos(self) -> Interval {
+        if !(self.low >= -PI && self.high <= PI) {
+            return ANY;
+        }
+        let mut all = hull([self.low.cos(), self.high.cos()]);
+        if self.low <= 0.0 && self.high >= 0.0 {
+            all.high = 1.0;
+        }
+        all.absolute(2f64.powi(-11))
+    }
+
+    /// The same.
+    pub fn sin(self) -> Interval {
+        if !(self.low >= -PI && self.high <= PI) {
+            return ANY;
+        }
+        let mut all = hull([self.low.sin(), self.high.sin()]);
+        for (at, extreme) in [(-PI / 2.0, -1.0), (PI / 2.0, 1.0)] {
+            if self.low <= at && self.high >= at {
+                all = all.or(Interval::exactly(extreme));
+            }
+        }
+        all.absolute(2f64.powi(-11))
+    }
+
+    /// 4096 ULP.
+    pub fn atan(self) -> Interval {
+        self.rising(f64::atan, |_, y| 4096.0 * ulp(y))
+    }
+
+    /// `self` over `x`: 4096 ULP, except across its cut and at its pole.
+    pub fn atan2(self, x: Interval) -> Interval {
+        let y = self;
+        let zero = |i: Interval| i.low <= 0.0 && i.high >= 0.0;
+        if y.is_any() || x.is_any() || zero(x) || x.high < 0.0 && zero(y) {
+            return ANY;
+        }
+        let corners = [(y.low, x.low), (y.low, x.high), (y.high, x.low), (y.high, x.high)];
+        hull(corners.map(|(y, x)| y.atan2(x))).ulps(4096.0)
+    }
+
+    /// Within 6.81e-5, or `atan2(x, sqrt(1 - x * x))`.
+    pub fn asin(self) -> Interval {
+        self.arc(f64::asin, 6.81e-5, |x, side| x.atan2(side))
+    }
+
+    /// Within 6.77e-5, or `atan2(sqrt(1 - x * x), x)`.
+    pub fn acos(self) -> Interval {
+        self.arc(f64::acos, 6.77e-5, |x, side| side.atan2(x))
+    }
+
+    fn arc(
+        self,
+        f: fn(f64) -> f64,
+        error: f64,
+        formula: impl Fn(Interval, Interval) -> Interval,
+    ) -> Interval {
+        if !(self.low >= -1.0 && self.high <= 1.0) {
+            return ANY;
+        }
+        let inherited = formula(self, Interval::exactly(1.0).sub(self.squared()).sqrt());
+        let direct = hull([f(self.low), f(self.high)]).absolute(error);
+        // Where the formula has no value, the bound of the function still stands.
+        if inherited.is_any() { direct } else { direct.or(inherited) }
+    }
+
+    pub fn sinh(self) -> Interval {
+        self.exp().sub(self.neg().exp()).mul(Interval::exactly(0.5))
+    }
+
+    pub fn cosh(self) -> Interval {
+        self.exp().add(self.neg().exp()).mul(Interval::exactly(0.5))
+    }
+
+    /// Within 1e-5, or `sinh(x) / cosh(x)`.
+    pub fn tanh(self) -> Interval {
+        let direct = self.unless_any(|x| hull([x.low.tanh(), x.high.tanh()]).absolute(1e-5));
+        let inherited = self.sinh().div(self.cosh());
+        if inherited.is_any() { direct } else { direct.or(inherited) }
+    }
+
+    pub fn asinh(self) -> Interval {
+        let root = self.squared().add(Interval::exactly(1.0)).sqrt();
+        self.add(root).ln()
+    }
+
+    pub fn acosh(self) -> Interval {
+        let root = self.squared().sub(Interval::exactly(1.0)).sqrt();
+        self.add(root).ln()
+    }
+
+    pub fn atanh(self) -> Interval {
+        let one = Interval::exactly(1.0);
+        one.add(self).div(one.sub(self)).ln().mul(Interval::exactly(0.5))
+    }
+
+    pub fn min(self, other: Interval) -> Interval {
+        if self.is_any() || other.is_any() {
+            return ANY;
+        }
+        Interval { low: self.low.min(other.low), high: self.high.min(other.high) }
+    }
+
+    pub fn max(self, other: Interval) -> Interval {
+        self.neg().min(other.neg()).neg()
+    }
+
+    /// 1 where it is not below the edge, else 0.
+    pub fn step(self, edge: Interval) -> Interval {
+        if self.is_any() || edge.is_any() {
+            return ANY;
+        }
+        let bit = |x: bool| f64::from(u8::from(x));
+        Interval { low: bit(edge.high <= self.low), high: bit(edge.low <= self.high) }
+    }
+
+    pub fn sign(self) -> Interval {
+        let sign = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
+        self.monotone(sign)
+    }
+
+    /// The fraction of `frexp`.
+    pub fn fraction(self, f: impl Fn(f64) -> f64, exponent: impl Fn(f64) -> i32) -> Interval {
+        let one_sign = self.low > 0.0 || self.high < 0.0;
+        match self {
+            _ if self.is_any() => ANY,
+            _ if self.low == self.high => Interval::exactly(f(self.low)),
+            _ if one_sign && exponent(self.low) == exponent(self.high) => self.monotone(f),
+            _ => Interval { low: if self.low < 0.0 { -1.0 } else { 0.0 }, high: 1.0 },
+        }
+    }
+}
+
+/// The sum in any order: a built-in function's sum has none.
+pub(super) fn sum_in_any_order(terms: &[Interval]) -> Interval {
+    match *terms {
+        [] => Interval::default(),
+        [one] => one,
+        [a, b] => a.add(b),
+        [a, b, c] => a.add(b).add(c).or(a.add(c).add(b)).or(b.add(c).add(a)),
+        [a, b, c, ref rest @ ..] => {
+            // Four terms: one after the other with any of them last, or by pairs.
+            let d = sum_in_any_order(rest);
+            let last = |x, y, z, last: Interval| sum_in_any_order(&[x, y, z]).add(last);
+            let one_by_one =
+                last(a, b, c, d).or(last(a, b, d, c)).or(last(a, c, d, b)).or(last(b, c, d, a));
+            let pairs = |a: Interval, b, c: Interval, d| a.add(b).add(c.add(d));
+            one_by_one.or(pairs(a, b, c, d)).or(pairs(a, c, b, d)).or(pairs(a, d, b, c))
+        }
+    }
+}
