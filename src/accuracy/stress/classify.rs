@@ -231,12 +231,8 @@ impl Look<'_> {
                     _ => (&h::UNDEFINED_OPERATION, Vec::new()),
                 }
             }
-            U::SquaresTooLarge => {
-                (&h::OVERFLOW, self.graph.inputs_of(Self::sources(step)))
-            }
-            U::SquaresTooSmall => {
-                (&h::UNDERFLOW, self.graph.inputs_of(Self::sources(step)))
-            }
+            U::SquaresTooLarge => (&h::OVERFLOW, self.graph.inputs_of(Self::sources(step))),
+            U::SquaresTooSmall => (&h::UNDERFLOW, self.graph.inputs_of(Self::sources(step))),
             U::BornInfinite | U::BornNan => self.overflow(step),
             U::ZeroTimesInfinity
             | U::RootOfNegative
