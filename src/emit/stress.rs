@@ -74,6 +74,17 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
     text
 }
 
+/// A page with the map of errors and the findings below it.
+pub fn page(stressed: &Report, svg: &str) -> String {
+    let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let title = escaped(&stressed.function);
+    let findings = escaped(&text(stressed, Paint::Plain));
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
+         <body>\n{svg}\n<pre>{findings}</pre>\n</body>\n</html>\n"
+    )
+}
+
 /// Longest line of values that is printed.
 const LINE: usize = 400;
 
@@ -158,6 +169,7 @@ struct Object<'a> {
     tool: Tool,
     path: &'a str,
     function: &'a str,
+    precision: &'static str,
     seed: u64,
     threads: usize,
     seconds: f64,
@@ -256,12 +268,35 @@ struct FoundObject<'a> {
     outcome: &'static str,
     error: Option<OffObject>,
     breach_steps: Option<Value>,
+    permitted: Option<PermittedObject>,
     condition: Option<ConditionObject<'a>>,
     rewrite: &'static str,
     gain: Option<GainObject>,
+    against: Option<AgainstObject<'a>>,
+    readers: Vec<AskedObject<'a>>,
     seen: usize,
     plausible: bool,
     case: CaseObject<'a>,
+}
+
+#[derive(Serialize)]
+struct PermittedObject {
+    steps: Value,
+    any_adapter: bool,
+}
+
+#[derive(Serialize)]
+struct AgainstObject<'a> {
+    function: &'a str,
+    outcome: &'static str,
+    steps: Option<Value>,
+}
+
+#[derive(Serialize)]
+struct AskedObject<'a> {
+    reader: &'a str,
+    results: Vec<Value>,
+    failure: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -291,6 +326,7 @@ pub fn json(stressed: &Report) -> String {
         tool: Tool::LANDFALL,
         path: &stressed.path,
         function: &stressed.function,
+        precision: stressed.precision,
         seed: stressed.seed,
         threads: stressed.threads,
         seconds: stressed.seconds,
@@ -388,6 +424,15 @@ fn case(case: &Case) -> CaseObject<'_> {
     }
 }
 
+fn came_to(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome::Discarded => "discarded",
+        Outcome::NotANumber => "nan",
+        Outcome::Infinite => "infinite",
+        Outcome::Off(..) => "finite",
+    }
+}
+
 fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
     let known = !found.place.shown.is_empty();
     let place = known.then(|| stressed.files.locate(found.place.span));
@@ -410,17 +455,16 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
             result: pair(&operation.result),
         }),
         about: &found.about,
-        outcome: match found.outcome {
-            Outcome::Discarded => "discarded",
-            Outcome::NotANumber => "nan",
-            Outcome::Infinite => "infinite",
-            Outcome::Off(..) => "finite",
-        },
+        outcome: came_to(&found.outcome),
         error: match &found.outcome {
             Outcome::Off(error, _) => Some(off(error)),
             Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
         },
         breach_steps: found.breach.map(plain),
+        permitted: found
+            .permitted
+            .as_ref()
+            .map(|p| PermittedObject { steps: plain(p.steps), any_adapter: p.any }),
         condition: found.condition.as_ref().map(condition),
         rewrite: found.hazard.rewrite,
         gain: found.gain.as_ref().map(|gain| GainObject {
@@ -428,6 +472,23 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
             before: plain(gain.before),
             after: plain(gain.after),
         }),
+        against: found.against.as_ref().map(|against| AgainstObject {
+            function: &against.function,
+            outcome: came_to(&against.outcome),
+            steps: match &against.outcome {
+                Outcome::Off(off, _) => Some(plain(off.steps)),
+                Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+            },
+        }),
+        readers: found
+            .readers
+            .iter()
+            .map(|asked| AskedObject {
+                reader: asked.reader,
+                results: asked.results.iter().map(|x| single(*x)).collect(),
+                failure: asked.failure.as_deref(),
+            })
+            .collect(),
         seen: found.seen,
         plausible: found.plausible,
         case: case(&found.case),

@@ -14,7 +14,9 @@ mod find;
 mod generate;
 pub mod hazard;
 mod input;
+mod map;
 mod measure;
+mod permitted;
 mod random;
 mod report;
 mod rewrite;
@@ -33,8 +35,10 @@ pub use classify::Performed;
 pub use condition::Condition;
 pub use generate::Family;
 pub use input::{Input, Sample};
+pub use map::{MapRequest, error_map};
 pub use measure::{Off, Outcome, Spread};
-pub use report::{Case, Found, Report, ResultScalar, Worst, command};
+pub use permitted::Permitted;
+pub use report::{Against, Asked, Case, Found, Report, ResultScalar, Worst, command};
 pub use rewrite::Gain;
 pub use sample::Tally;
 
@@ -66,6 +70,8 @@ pub struct Request {
     pub steps: f64,
     /// And in units of the last place.
     pub ulp: Option<f64>,
+    /// A function that each finding is held against, and the shader it is in.
+    pub against: Option<(Source, PureRequest)>,
     /// Iterations of loops one invocation may take.
     pub budget: u32,
 }
@@ -81,6 +87,7 @@ impl Default for Request {
             threads: 0,
             steps: 0.5,
             ulp: None,
+            against: None,
             budget: 4096,
         }
     }
@@ -103,6 +110,10 @@ pub fn stress(
     let refused =
         |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
     let domain = domain_of(source, request, &pure, &inputs).map_err(&refused)?;
+    let against = match &request.against {
+        Some((source, other)) => Some(Pure::new(source, options, other)?),
+        None => None,
+    };
     let generator = Generator::new(&inputs, &domain, request.seed);
     let threads = match request.threads {
         0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
@@ -149,6 +160,7 @@ pub fn stress(
         inputs: &inputs,
         domain: &domain,
         plan: &after,
+        against: against.as_ref(),
         families: sampled.families,
         raws,
         worst,

@@ -2,6 +2,8 @@
 //!
 //! Made by [`stress`](super::stress()), printed by [`emit::stress`](crate::emit::stress).
 
+use serde_json::Value;
+
 use super::classify::{Performed, examine};
 use super::condition::{Condition, condition};
 use super::domain::Domain;
@@ -9,13 +11,17 @@ use super::find::Raw;
 use super::generate::Family;
 use super::hazard::{self, Hazard};
 use super::input::{Input, Sample};
-use super::measure::{Off, Outcome};
+use super::measure::{Off, Outcome, outcome};
+use super::permitted::{Permitted, permitted};
 use super::rewrite::{Gain, gain};
 use super::sample::{Plan, Tally, columns, settings};
 use super::{Request, measure};
 use crate::lint::{Finding, Level, Place as LintPlace, Related};
+use crate::run::bound::Data;
+use crate::run::call;
 use crate::run::call::pure::Pure;
-use crate::run::eval::{Place, UndefinedKind};
+use crate::run::eval::{Floats, Place, UndefinedKind};
+use crate::run::reader::Reader;
 use crate::source::{Files, Source};
 
 /// What stressing a function found.
@@ -25,6 +31,8 @@ pub struct Report {
     pub path: String,
     /// The function with the types of its parameters.
     pub function: String,
+    /// `single`, or `half` where all floats are rounded to it.
+    pub precision: &'static str,
     /// What random numbers started from.
     pub seed: u64,
     /// Samples a second, while sampling.
@@ -71,6 +79,8 @@ pub struct Case {
     pub results: Vec<ResultScalar>,
     /// The arguments of `landfall run` that repeat it.
     pub arguments: Vec<String>,
+    /// The same as values: arguments, block contents, inputs.
+    pub values: (Vec<Value>, Data, Vec<(String, Value)>),
 }
 
 /// A scalar of a result.
@@ -109,10 +119,36 @@ pub struct Found {
     pub condition: Option<Condition>,
     /// What the robust form would make of it.
     pub gain: Option<Gain>,
+    /// How far conformant devices may be apart there; none where that is not known.
+    pub permitted: Option<Permitted>,
+    /// What the function it is held against gives for the same input.
+    pub against: Option<Against>,
+    /// What drivers give for it.
+    pub readers: Vec<Asked>,
     /// Samples that were looked at and meet it.
     pub seen: usize,
     /// Whether the inputs are numbers as scenes have them.
     pub plausible: bool,
+}
+
+/// What another function gives for the input of a finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Against {
+    /// The function.
+    pub function: String,
+    /// How it comes out, compared with its own `f64`.
+    pub outcome: Outcome,
+}
+
+/// What a driver gives for the input of a finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asked {
+    /// `gl` or `gpu`.
+    pub reader: &'static str,
+    /// The floats it gives, in the order of the results.
+    pub results: Vec<f32>,
+    /// Why it gives none.
+    pub failure: Option<String>,
 }
 
 pub(super) struct Made<'a> {
@@ -122,6 +158,7 @@ pub(super) struct Made<'a> {
     pub inputs: &'a [Input],
     pub domain: &'a Domain,
     pub plan: &'a Plan,
+    pub against: Option<&'a Pure>,
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<Raw>,
     pub worst: Vec<(Sample, Off)>,
@@ -155,7 +192,8 @@ pub(super) fn report(made: Made<'_>) -> Report {
             }
             continue;
         }
-        findings.push(found(pure, inputs, plan, made.source, raw));
+        let other = made.against.map(|other| against(pure, other, plan, &raw.sample));
+        findings.push(Found { against: other, ..found(pure, inputs, plan, made.source, raw) });
     }
     for (code, count) in more {
         notes.push(format!("{code} is found in {count} further lines"));
@@ -170,6 +208,10 @@ pub(super) fn report(made: Made<'_>) -> Report {
     Report {
         path: made.source.path.clone(),
         function: pure.shown.clone(),
+        precision: match made.request.pure.floats {
+            Floats::AsWritten => "single",
+            Floats::Half => "half",
+        },
         seed: made.request.seed,
         rate: made.rate,
         threads: made.threads,
@@ -209,6 +251,9 @@ fn found(pure: &Pure, inputs: &[Input], plan: &Plan, source: &Source, raw: Raw) 
             .filter(|_| raw.candidate.kind.is_none()),
         case: case(pure, plan, source, &raw.sample),
         gain,
+        permitted: permitted(pure, &raw.sample, plan),
+        against: None,
+        readers: Vec::new(),
         seen: raw.seen,
         plausible: raw.plausible,
     }
@@ -231,14 +276,34 @@ fn endless(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Found 
         case: case(pure, plan, source, sample),
         condition: None,
         gain: None,
+        permitted: None,
+        against: None,
+        readers: Vec::new(),
         seen: 1,
         plausible: false,
     }
 }
 
+/// What another function gives for a sample: inputs of one path are the same.
+fn against(pure: &Pure, other: &Pure, plan: &Plan, sample: &Sample) -> Against {
+    let paths = |pure: &Pure| -> Vec<String> {
+        pure.parameters.iter().flat_map(|parameter| parameter.scalars.clone()).collect()
+    };
+    let own = paths(pure);
+    let word = |path: &String| own.iter().position(|known| known == path).map(|at| sample[at]);
+    let words: Sample = paths(other).iter().map(|path| word(path).unwrap_or(0)).collect();
+    let called = other.call(&columns(&[words]), 1, &settings(plan, false));
+    let outcome = match called {
+        Ok(called) => outcome(&called, &measure::floats(other), 0),
+        Err(_) => Outcome::Discarded,
+    };
+    Against { function: other.shown.clone(), outcome }
+}
+
 /// A sample as people read it.
 fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
     let (arguments, data, given) = pure.json(sample);
+    let values = (arguments.clone(), data.clone(), given.clone());
     let mut inputs = Vec::new();
     let mut words = arguments.iter();
     let mut named = given.iter();
@@ -277,10 +342,42 @@ fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
             });
         }
     }
-    Case { inputs, results, arguments: line }
+    Case { inputs, results, arguments: line, values }
 }
 
 impl Report {
+    /// Has a driver call the function with the input of each finding.
+    pub fn ask(
+        &mut self,
+        source: &Source,
+        options: &crate::Options,
+        textures: &[(String, [f32; 4])],
+        reader: &mut dyn Reader,
+    ) {
+        let name = reader.device().reader;
+        for found in &mut self.findings {
+            let (arguments, data, inputs) = found.case.values.clone();
+            let function = self.function.clone();
+            let textures = textures.to_vec();
+            let limit = std::time::Duration::from_secs(20);
+            let request = call::Request { function, arguments, data, textures, inputs, limit };
+            let asked = match call::call(source, options, &request, Some(reader)) {
+                Ok(called) => {
+                    let given = called.result.iter().chain(called.parameters.iter().map(|p| &p.2));
+                    let scalars = given.flat_map(|given| &given.scalars);
+                    let floats = scalars.filter(|scalar| scalar.double.is_some());
+                    let results = floats.map(|s| f32::from_bits(s.value.bits as u32)).collect();
+                    Asked { reader: name, results, failure: None }
+                }
+                Err(refusal) => {
+                    let why = refusal.found.first().map(|found| found.message.clone());
+                    Asked { reader: name, results: Vec::new(), failure: why }
+                }
+            };
+            found.readers.push(asked);
+        }
+    }
+
     /// Whether some sample with finite inputs gave a result that is not.
     pub fn has_non_finite(&self) -> bool {
         self.total.nan + self.total.infinite > 0

@@ -87,6 +87,41 @@ impl Found {
                 figure(gain.before)
             ));
         }
+        if let (Some(permitted), Outcome::Off(off, _), None) =
+            (&self.permitted, self.outcome, self.breach)
+        {
+            if off.steps >= 0.05 {
+                notes.push(match permitted.any {
+                    true => format!(
+                        "any conformant device may do this: {} steps are permitted",
+                        figure(permitted.steps)
+                    ),
+                    false => format!(
+                        "more than the {} steps that are permitted",
+                        figure(permitted.steps)
+                    ),
+                });
+            }
+        }
+        if let Some(against) = &self.against {
+            let function = &against.function;
+            notes.push(match against.outcome {
+                Outcome::NotANumber => format!("`{function}` gives NaN here too"),
+                Outcome::Infinite => format!("`{function}` gives infinity here too"),
+                Outcome::Discarded => format!("`{function}` gives nothing here"),
+                Outcome::Off(off, _) => {
+                    format!("`{function}` is {} steps off here", figure(off.steps))
+                }
+            });
+        }
+        for asked in &self.readers {
+            let results: Vec<String> =
+                asked.results.iter().map(|x| number(f64::from(*x))).collect();
+            notes.push(match &asked.failure {
+                None => format!("{} gives {}", asked.reader, results.join(", ")),
+                Some(why) => format!("{} gives nothing: {why}", asked.reader),
+            });
+        }
         if !self.plausible {
             notes.push("only with numbers no scene has".to_string());
         }

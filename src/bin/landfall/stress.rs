@@ -1,18 +1,20 @@
 //! `landfall stress`: where a function breaks, how wrong it gets, and why.
 
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use landfall::accuracy::stress::{Request, stress};
+use landfall::accuracy::stress::{MapRequest, Request, error_map, stress};
 use landfall::emit::stress as print;
 use landfall::run::call::pure::PureRequest;
+use landfall::run::eval::Floats;
 use landfall::source::Files;
 use landfall::{Diagnostic, Error};
 
-use crate::args::{StressArgs, StressFormat};
+use crate::args::{ReaderName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::run::colour;
-use crate::{data, read};
+use crate::{data, read, readers};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
@@ -51,13 +53,35 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if shows {
         eprint!("\r\x1b[K");
     }
-    let report = match stressed {
+    let mut report = match stressed {
         Ok(report) => report,
         Err(refusal) => {
             streams.report(&style.text(&refusal.found, &refusal.files));
             return Ok(Outcome::CouldNot);
         }
     };
+    for name in args.readers.iter().filter(|name| **name != ReaderName::Cpu) {
+        let opened = readers::one(*name, args.adapter.as_deref());
+        let mut reader = opened.map_err(|failure| {
+            Error::new(name.name(), format!("cannot run it: {}", failure.message))
+                .with_help("`landfall devices` lists what is here")
+        })?;
+        report.ask(&source, &options, &request.pure.textures, reader.as_mut());
+    }
+    if let (Some(file), Some(x), Some(y)) = (&args.map, &args.map_x, &args.map_y) {
+        let map = MapRequest { x: x.clone(), y: y.clone(), ..MapRequest::default() };
+        match error_map(&source, &options, &request, &report, &map) {
+            Ok(svg) => {
+                let html = file.extension().is_some_and(|e| e == "html" || e == "htm");
+                let text = if html { print::page(&report, &svg) } else { svg };
+                landfall::file::write_whole(file, text.as_bytes())?;
+            }
+            Err(refusal) => {
+                streams.report(&style.text(&refusal.found, &refusal.files));
+                return Ok(Outcome::CouldNot);
+            }
+        }
+    }
     match args.format {
         StressFormat::Human => streams.product(&print::text(&report, streams.paint))?,
         StressFormat::Json => streams.product(&print::json(&report))?,
@@ -82,13 +106,26 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
         None => None,
         Some(text) => Some(data::file_or_value("--domain", text)?),
     };
+    let against = match &args.against {
+        None => None,
+        Some(text) => {
+            let (file, name) = match text.split_once('#') {
+                Some((file, name)) => (file, name.to_string()),
+                None => (text.as_str(), args.function.clone()),
+            };
+            let source = read::source(Path::new(file), &args.read)?;
+            Some((source, PureRequest { function: name, ..PureRequest::default() }))
+        }
+    };
     let half = Request::default().steps;
     Ok(Request {
         pure: PureRequest {
             function: args.function.clone(),
             data: data::blocks(args.data.as_deref())?,
             textures: textures.collect::<Result<_, Error>>()?,
+            floats: if args.half { Floats::Half } else { Floats::AsWritten },
         },
+        against,
         domain,
         seed: args.seed,
         samples: args.samples,

@@ -17,7 +17,7 @@ use super::report::Given;
 use super::{Refusal, arguments, finding};
 use crate::run::bound::{self, Data};
 use crate::run::eval::{
-    Call, Called, Numbers, Place, Program, Settings, Step, Trace, ValueType, Words,
+    Call, Called, Floats, Numbers, Place, Program, Settings, Step, Trace, ValueType, Words,
 };
 use crate::run::glsl::reach;
 use crate::run::module::{Direction, FunctionInfo};
@@ -38,6 +38,8 @@ pub struct PureRequest {
     pub data: Data,
     /// Colours of textures by name; the others are white.
     pub textures: Vec<(String, [f32; 4])>,
+    /// What its floats are rounded to.
+    pub floats: Floats,
 }
 
 /// A function that depends on its parameters alone.
@@ -355,7 +357,7 @@ fn make(
     let writable = |block: &_| verify::access::writable(block, &files, language);
     let resources = bound::resources(&module, bytes, writable, &request.textures);
     let module = module.validated().map_err(|mut all| Box::new(all.swap_remove(0)))?;
-    let program = Program::new(&module, &[]);
+    let program = Program::rounded(&module, &[], request.floats);
     let signature = match program.signature(number) {
         Ok(Some(signature)) => signature,
         Ok(None) => {

@@ -49,6 +49,18 @@ pub struct StressArgs {
     /// A robust form to hold beside each finding: FILE, or FILE#NAME for a function of another name
     #[arg(long, value_name = "FILE[#NAME]")]
     pub against: Option<String>,
+    /// Round every float to f16 at each operation, as `mediump` and `f16` may be
+    #[arg(long)]
+    pub half: bool,
+    /// Draw the error over two inputs, --map-x and --map-y, as SVG or HTML
+    #[arg(long, value_name = "FILE", requires_all = ["map_x", "map_y"])]
+    pub map: Option<PathBuf>,
+    /// The input from left to right: the path of a scalar, light.position.x
+    #[arg(long, value_name = "PATH")]
+    pub map_x: Option<String>,
+    /// The input from below to above
+    #[arg(long, value_name = "PATH")]
+    pub map_y: Option<String>,
     /// Drivers to show beside each finding
     #[arg(long = "reader", value_name = "READER", value_delimiter = ',')]
     pub readers: Vec<ReaderName>,
