@@ -22,6 +22,7 @@ mod paint;
 mod place;
 pub mod run;
 pub mod rust;
+pub mod stress;
 mod table;
 #[cfg(feature = "cli")]
 pub mod unified;

@@ -1,5 +1,7 @@
 //! A picture in floats: what a reader or the reference gave, to be written, compared, drawn.
 
+pub mod color_map;
+
 /// Pixels of four floats.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Picture {

@@ -35,6 +35,16 @@ pub struct Module {
     left_out: Vec<Diagnostic>,
     /// The expressions that need no more than `mediump`, by their spans in naga's numbering.
     pub(crate) reduced: FxHashSet<(u32, u32)>,
+    pub(crate) locals: Locals,
+}
+
+/// What a local variable holds before anything is put into it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Locals {
+    /// Zeros: WGSL §7.4.
+    Zeros,
+    /// Anything: GLSL 4.60 §4.3.
+    Anything,
 }
 
 /// A block of a runnable shader.
@@ -154,6 +164,7 @@ impl Module {
                     outputs: lowered.outputs,
                     left_out: lowered.left_out,
                     reduced: lowered.reduced,
+                    locals: Locals::Anything,
                 };
                 module.validated()
             }
@@ -291,6 +302,7 @@ impl Module {
             outputs: Vec::new(),
             left_out: Vec::new(),
             reduced: FxHashSet::default(),
+            locals: Locals::Zeros,
         }
     }
 }

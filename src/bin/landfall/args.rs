@@ -5,6 +5,7 @@ mod codec;
 mod levels;
 mod lock;
 mod run;
+mod stress;
 mod verify;
 
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, 
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 pub use run::{RunArgs, RunFormat};
+pub use stress::{StressArgs, StressFormat};
 pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
@@ -52,6 +54,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Call one function of a shader with arguments in JSON, in f32 beside f64
     Run(RunArgs),
+    /// Look for inputs at which a function of a shader breaks, and say which operation does it
+    Stress(StressArgs),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
     /// Write the lock of every shader: its layout, to be committed and compared with
@@ -285,6 +289,8 @@ pub enum Schema {
     Verify,
     /// run --format json
     Run,
+    /// stress --format json
+    Stress,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

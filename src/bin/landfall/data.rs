@@ -23,6 +23,14 @@ pub fn blocks(text: Option<&str>) -> Result<Data, Error> {
     }
 }
 
+/// JSON on the command line, or the file of that name.
+pub fn file_or_value(about: &str, text: &str) -> Result<Value, Error> {
+    match text.trim_start().starts_with(['{', '[']) {
+        true => value(about, text),
+        false => value(&read::shown(Path::new(text)), &read::text(Path::new(text))?),
+    }
+}
+
 /// JSON that says what is wrong with it.
 pub fn value(about: &str, text: &str) -> Result<Value, Error> {
     read_json(text).map_err(|error| Error::new(about, format!("is not JSON: {error}")))

@@ -27,6 +27,7 @@ mod rule;
 mod run;
 mod schema;
 mod shader;
+mod stress;
 mod verify;
 mod work;
 
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         Command::Decode(args) => decode::run(args, &streams),
         Command::Verify(args) => verify::run(args, &streams),
         Command::Run(args) => run::run(args, &streams),
+        Command::Stress(args) => stress::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

@@ -85,7 +85,7 @@ fn request(args: &RunArgs) -> Result<Request, Error> {
 }
 
 /// Four numbers.
-fn colour(value: &Value, name: &str) -> Result<[f32; 4], Error> {
+pub fn colour(value: &Value, name: &str) -> Result<[f32; 4], Error> {
     let numbers: Option<Vec<f32>> = value
         .as_array()
         .and_then(|items| items.iter().map(|item| item.as_f64().map(|x| x as f32)).collect());

@@ -11,6 +11,7 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Explain => emit::EXPLAIN_SCHEMA,
         Schema::Check => emit::CHECK_SCHEMA,
         Schema::Run => emit::run::RUN_SCHEMA,
+        Schema::Stress => emit::stress::STRESS_SCHEMA,
         Schema::Verify => emit::verify::VERIFY_SCHEMA,
         Schema::Devices => emit::DEVICES_SCHEMA,
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,

@@ -132,7 +132,8 @@ fn taken<'m>(
     Ok(Found { info, signature, arguments })
 }
 
-fn unknown(module: &Module, name: &str) -> Misfit {
+/// What to say of a function that is not there.
+pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
     let names = || module.functions().iter().map(|function| function.name.as_str());
     let near = crate::parse::nearest(name, names());
     let about = |text: &str| text.contains(&format!("`{name}`"));

@@ -7,6 +7,7 @@ mod arguments;
 mod caller;
 mod driver;
 mod find;
+pub mod pure;
 pub(crate) mod report;
 
 use std::time::{Duration, Instant};

@@ -123,7 +123,13 @@ impl Program {
                     put(m, reg, words.get(i).map_or(&[], |w| &w[from..from + lanes]));
                 }
             }
+            if let Some(tracer) = m.watch.as_mut().and_then(|watch| watch.tracer.as_mut()) {
+                tracer.begin(code);
+            }
             m.invoke(number, self.starts[number as usize], mask(lanes))?;
+            if let Some(tracer) = m.watch.as_mut().and_then(|watch| watch.tracer.as_mut()) {
+                tracer.finish(code);
+            }
             let returned = code
                 .arguments
                 .iter()

@@ -25,6 +25,7 @@ mod reader;
 mod real;
 mod stage;
 mod tidy;
+mod trace;
 mod undefined;
 mod value;
 
@@ -37,6 +38,7 @@ pub use interface::Port;
 pub use program::{Floats, FunctionSignature, Parameter, Program};
 pub use reader::Cpu;
 pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
+pub use trace::{Number, Operand, Operation, Source, Step, Trace};
 pub use undefined::{Divergence, Place, Undefined, UndefinedKind};
 pub use value::{Value, ValueType};
 

@@ -10,10 +10,11 @@ use super::call::{Numbers, Words};
 use super::code::{Cast, Class, Inst, LANES, Op, Reg};
 use super::counts::{Counts, Tally};
 use super::interface::Port;
-use super::machine::{Image, Machine, Memory, Stopped, Watch};
+use super::machine::{Image, Machine, Memory, Seen, Stopped, Tracer, Watch};
 use super::permitted::Permitted;
 use super::program::{BufferSpace, Program};
 use super::real::{Real, Shadow};
+use super::trace::Trace;
 use super::undefined::{Divergence, Undefined};
 use crate::run::reader::{Failure, FailureKind, Resource, ResourceKind};
 
@@ -43,6 +44,8 @@ pub struct Settings {
     /// With [`Precision::Both`] and `watch`: how far `f32` may be from `f64`, relative to
     /// it, before the operation is named.
     pub tolerance: Option<f64>,
+    /// With `watch`: whether to note each operation of the first invocation.
+    pub trace: bool,
     /// Iterations of loops one invocation may take.
     pub budget: u32,
     /// When to give up.
@@ -57,6 +60,7 @@ impl Default for Settings {
             precision: Precision::Single,
             watch: false,
             tolerance: None,
+            trace: false,
             budget: 1 << 22,
             deadline: None,
             threads: 0,
@@ -73,6 +77,8 @@ pub struct Notes {
     pub undefined: Vec<Undefined>,
     /// The first operation at which each invocation parted; if watched.
     pub divergences: Vec<Divergence>,
+    /// The operations of the first invocation; if asked for.
+    pub trace: Option<Box<Trace>>,
     /// By resource: which of its bytes were read; if watched. Empty for textures.
     pub read: Vec<Vec<bool>>,
 }
@@ -342,7 +348,7 @@ impl Program {
             let mut results = Vec::with_capacity(range.len());
             for batch in range {
                 if let Some(watch) = &mut machine.watch {
-                    watch.next_batch();
+                    watch.next_batch(batch * LANES);
                 }
                 if settings.deadline.is_some_and(|deadline| Instant::now() > deadline) {
                     return Err(Stopped::Late);
@@ -420,7 +426,8 @@ impl Program {
         machine.deadline = settings.deadline;
         if settings.watch {
             let tolerance = settings.tolerance.filter(|_| settings.precision == Precision::Both);
-            machine.watch = Some(Box::new(Watch { tolerance, ..Watch::default() }));
+            let tracer = settings.trace.then(Box::<Tracer>::default);
+            machine.watch = Some(Box::new(Watch { tolerance, tracer, ..Watch::default() }));
         }
         machine
     }
@@ -433,13 +440,19 @@ impl Program {
             let same = |u: &&mut Undefined| u.kind == kind && u.place == place;
             // The components of one expression are several instructions.
             match notes.undefined.iter_mut().find(same) {
-                Some(known) => known.count += seen.count,
+                Some(known) => {
+                    known.count += seen.count;
+                    let new = seen.lanes.into_iter().filter(|lane| !known.lanes.contains(lane));
+                    let new: Vec<usize> = new.collect();
+                    known.lanes.extend(new);
+                }
                 None => {
-                    let (count, operands) = (seen.count, seen.operands);
-                    notes.undefined.push(Undefined { kind, place, count, operands });
+                    let Seen { count, operands, lanes } = seen;
+                    notes.undefined.push(Undefined { kind, place, count, operands, lanes });
                 }
             }
         }
+        notes.trace = watch.tracer.map(|tracer| Box::new(tracer.trace));
         notes.divergences = watch
             .parted
             .into_iter()

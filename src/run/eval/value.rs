@@ -4,6 +4,7 @@
 use naga::{ScalarKind as Kind, TypeInner};
 
 use super::flatten::Types;
+use crate::run::Module;
 use crate::shape::{Scalar, ScalarKind};
 
 /// The type of an argument, a result or an input.
@@ -122,6 +123,16 @@ impl ValueType {
                 members.iter().map(|(name, ty)| (name.clone(), ty.build(numbers))).collect(),
             ),
         }
+    }
+}
+
+impl ValueType {
+    /// The plain type of one of a module's; none if it has none.
+    pub(crate) fn of(module: &Module, ty: naga::Handle<naga::Type>) -> Option<ValueType> {
+        let pending = |_| None;
+        let counted = Default::default();
+        let types = Types { arena: &module.ir.types, pending: &pending, counted };
+        value_type(&types, &module.ir.types[ty])
     }
 }
 

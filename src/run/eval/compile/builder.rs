@@ -15,6 +15,7 @@ use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInf
 use super::super::tidy;
 use super::function::Compiled;
 use super::nowhere;
+use crate::run::module::Locals;
 use crate::source::Language;
 
 pub(super) struct Builder<'a> {
@@ -22,6 +23,7 @@ pub(super) struct Builder<'a> {
     pub info: &'a ModuleInfo,
     pub types: Types<'a>,
     pub overrides: &'a [Option<f64>],
+    pub locals: Locals,
     pub floats: Floats,
     /// With [`Floats::Mediump`]: spans of the expressions that are rounded.
     pub reduced: &'a FxHashSet<(u32, u32)>,
@@ -77,6 +79,7 @@ impl<'a> Builder<'a> {
             info,
             types: Types { arena: &ir.types, pending, counted: RefCell::default() },
             overrides,
+            locals: Locals::Zeros,
             floats,
             reduced,
             rounds: false,

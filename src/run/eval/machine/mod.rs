@@ -10,6 +10,8 @@ mod float;
 mod integer;
 mod kernel;
 mod memory;
+mod trace;
+mod unset;
 mod watch;
 mod wide;
 
@@ -22,7 +24,8 @@ use super::program::Program;
 use super::real::Real;
 use control::Frame;
 pub(super) use float::frexp;
-pub(super) use watch::Watch;
+pub(super) use trace::Tracer;
+pub(super) use watch::{Seen, Watch};
 
 /// One scalar of all lanes.
 pub(super) type Column<T> = Box<[T; LANES]>;
@@ -149,6 +152,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             let (head, operands) = pool.split_at(usize::from(inst.head));
             if WATCH {
                 self.inspect(pc, inst.op, head, operands);
+                self.inspect_unset(pc, inst.op, operands);
             }
             let this = pc;
             pc += 1;
@@ -185,7 +189,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                 | Op::DDot(_) => self.wide(inst.op, operands),
                 Op::Cast(cast) => self.cast(cast, operands),
                 Op::Select(class) => self.select(class, operands),
-                Op::Move(class) => self.shift(class, operands),
+                Op::Move(class) | Op::Blank(class) => self.shift(class, operands),
                 Op::Store(class) => self.store(class, operands),
                 Op::Load(access) => self.load::<WATCH>(access, head, operands),
                 Op::Save(access) => self.save(access, head, operands),
@@ -226,6 +230,8 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             }
             if WATCH {
                 self.look_back(this, inst.op, operands);
+                self.trace(this, inst.op, head, operands);
+                self.follow_unset(inst.op, head, operands);
             }
         }
     }

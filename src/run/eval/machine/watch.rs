@@ -6,10 +6,12 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, Op};
+use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, Op, Stored};
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::memory::elements;
+use super::trace::Tracer;
+use super::unset::Unset;
 use super::{Machine, column};
 
 /// What was seen at one instruction.
@@ -19,7 +21,12 @@ pub(in crate::run::eval) struct Seen {
     pub count: u64,
     /// The operands it was seen with first.
     pub operands: Vec<f64>,
+    /// The first invocations it was seen in.
+    pub lanes: Vec<usize>,
 }
+
+/// Invocations that are kept of each.
+const LANES_KEPT: usize = 256;
 
 /// The first operation after which `f32` and `f64` differ by too much.
 #[derive(Clone, Debug)]
@@ -40,27 +47,54 @@ pub(in crate::run::eval) struct Watch {
     /// By lane: the first time they parted.
     pub parted: Vec<Parted>,
     pub lanes_parted: u64,
+    /// The first invocation of the batch.
+    pub base: usize,
+    /// Notes each operation of the first invocation.
+    pub tracer: Option<Box<Tracer>>,
+    /// Variables nobody has put anything into.
+    pub(in crate::run::eval) unset: Unset,
 }
 
 impl Watch {
     /// A new batch: its lanes are other invocations.
-    pub fn next_batch(&mut self) {
+    pub fn next_batch(&mut self, base: usize) {
         self.lanes_parted = 0;
+        self.base = base;
+        self.unset.clear();
     }
 
     /// Notes of another thread, whose batches come later.
     pub fn merge(&mut self, more: Watch) {
         for (key, seen) in more.undefined {
-            self.undefined.entry(key).and_modify(|known| known.count += seen.count).or_insert(seen);
+            self.undefined
+                .entry(key)
+                .and_modify(|known| {
+                    known.count += seen.count;
+                    known.lanes.extend(&seen.lanes);
+                    known.lanes.truncate(LANES_KEPT);
+                })
+                .or_insert(seen);
         }
         self.parted.extend(more.parted);
+        self.tracer = self.tracer.take().or(more.tracer);
     }
 
-    fn see(&mut self, pc: usize, kind: UndefinedKind, operands: impl FnOnce() -> Vec<f64>) {
+    pub(super) fn see(
+        &mut self,
+        (pc, lane): (usize, usize),
+        kind: UndefinedKind,
+        operands: impl FnOnce() -> Vec<f64>,
+    ) {
+        let lane = self.base + lane;
         self.undefined
             .entry((pc, kind))
-            .and_modify(|seen| seen.count += 1)
-            .or_insert_with(|| Seen { count: 1, operands: operands() });
+            .and_modify(|seen| {
+                seen.count += 1;
+                if seen.lanes.len() < LANES_KEPT && seen.lanes.last() != Some(&lane) {
+                    seen.lanes.push(lane);
+                }
+            })
+            .or_insert_with(|| Seen { count: 1, operands: operands(), lanes: vec![lane] });
     }
 }
 
@@ -80,11 +114,11 @@ impl<R: Real> Machine<'_, '_, R> {
                     let bytes = self.buffers[access.buffer as usize].bytes.len();
                     for group in operands.chunks_exact(shape.len()) {
                         let [offset, stored] = [group[shape.len() - 2], group[shape.len() - 1]];
-                        let width = super::super::code::Stored::ALL[stored as usize].width();
+                        let width = Stored::ALL[stored as usize].width();
                         let at = offset as usize + self.way(access, head, lane, 0);
                         if at + width > bytes {
                             let kind = UndefinedKind::PastEndOfBuffer;
-                            watch.see(pc, kind, || vec![at as f64, bytes as f64]);
+                            watch.see((pc, lane), kind, || vec![at as f64, bytes as f64]);
                         }
                     }
                 }
@@ -118,7 +152,7 @@ impl<R: Real> Machine<'_, '_, R> {
             let len = elements(dynamic.bound, bytes);
             if index >= len {
                 let kind = UndefinedKind::IndexOutOfBounds;
-                watch.see(pc, kind, || vec![f64::from(index), f64::from(len)]);
+                watch.see((pc, lane), kind, || vec![f64::from(index), f64::from(len)]);
             }
         }
     }
@@ -131,36 +165,43 @@ impl<R: Real> Machine<'_, '_, R> {
         match op {
             Op::F1(f) => {
                 if let Some(kind) = undefined1(f, real(0)) {
-                    watch.see(pc, kind, || vec![real(0)]);
+                    watch.see((pc, lane), kind, || vec![real(0)]);
                 }
             }
             Op::D1(f) => {
                 let x = f64::from_bits(wide(0));
                 if let Some(kind) = undefined1(f, x) {
-                    watch.see(pc, kind, || vec![x]);
+                    watch.see((pc, lane), kind, || vec![x]);
                 }
             }
             Op::F2(f) => {
                 if let Some(kind) = undefined2(f, real(0), real(1)) {
-                    watch.see(pc, kind, || vec![real(0), real(1)]);
+                    watch.see((pc, lane), kind, || vec![real(0), real(1)]);
                 }
             }
             Op::D2(D2::Float(f)) => {
                 let [a, b] = [0, 1].map(|i| f64::from_bits(wide(i)));
                 if let Some(kind) = undefined2(f, a, b) {
-                    watch.see(pc, kind, || vec![a, b]);
+                    watch.see((pc, lane), kind, || vec![a, b]);
                 }
             }
             Op::F3(F3::SmoothStep) if real(0) >= real(1) => {
-                watch.see(pc, U::SmoothStepEdges, || vec![real(0), real(1), real(2)]);
+                watch.see((pc, lane), U::SmoothStepEdges, || vec![real(0), real(1), real(2)]);
             }
             Op::F3(F3::Clamp) if real(1) > real(2) => {
-                watch.see(pc, U::ClampBounds, || vec![real(0), real(1), real(2)]);
+                watch.see((pc, lane), U::ClampBounds, || vec![real(0), real(1), real(2)]);
             }
             Op::Normalize(n) => {
                 let all = || (0..usize::from(n)).map(real).collect::<Vec<f64>>();
                 if (0..usize::from(n)).all(|i| real(i) == 0.0) {
-                    watch.see(pc, U::NormalizeOfZero, all);
+                    watch.see((pc, lane), U::NormalizeOfZero, all);
+                } else if let Some(kind) = self.length_out_of_range(reads, lane) {
+                    watch.see((pc, lane), kind, all);
+                }
+            }
+            Op::Length(n) if n > 1 => {
+                if let Some(kind) = self.length_out_of_range(reads, lane) {
+                    watch.see((pc, lane), kind, || (0..usize::from(n)).map(real).collect());
                 }
             }
             Op::I2(f) => {
@@ -180,7 +221,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     let number = move |x: u32| {
                         if signed { f64::from(x as i32) } else { f64::from(x) }
                     };
-                    watch.see(pc, kind, || vec![number(a), number(b)]);
+                    watch.see((pc, lane), kind, || vec![number(a), number(b)]);
                 }
             }
             Op::D2(D2::Int(f)) => {
@@ -196,14 +237,14 @@ impl<R: Real> Machine<'_, '_, R> {
                     _ => None,
                 };
                 if let Some(kind) = kind {
-                    watch.see(pc, kind, || vec![a as f64, b as f64]);
+                    watch.see((pc, lane), kind, || vec![a as f64, b as f64]);
                 }
             }
             Op::ExtractSint | Op::ExtractUint | Op::Insert => {
                 let [offset, count] = [reads.len() - 2, reads.len() - 1].map(word);
                 if u64::from(offset) + u64::from(count) > 32 {
                     let both = vec![f64::from(offset), f64::from(count)];
-                    watch.see(pc, U::BitsOutOfRange, || both);
+                    watch.see((pc, lane), U::BitsOutOfRange, || both);
                 }
             }
             Op::Cast(cast) => {
@@ -221,16 +262,61 @@ impl<R: Real> Machine<'_, '_, R> {
                     _ => return,
                 };
                 if !(x.trunc() >= low && x.trunc() <= high) {
-                    watch.see(pc, U::ConversionOutOfRange, || vec![x]);
+                    watch.see((pc, lane), U::ConversionOutOfRange, || vec![x]);
                 }
             }
             _ => {}
         }
     }
 
+    /// What is wrong with the length of a vector that has one: its squares, which devices add
+    /// up, are past the largest number of the run's precision, or below the smallest normal
+    /// one, where they lose their digits or are flushed to zero.
+    fn length_out_of_range(&self, reads: &[u32], lane: usize) -> Option<UndefinedKind> {
+        let each = || reads.iter().map(|reg| column(&self.reals, *reg)[lane]);
+        let any = each().any(|x| x.double() != 0.0);
+        let finite = each().all(|x| x.double().is_finite() && !x.is_infinite());
+        if !any || !finite {
+            return None;
+        }
+        let sum = each().fold(R::narrow(0.0), |sum, x| sum.add(x.mul(x)));
+        // A double has room for the squares of every `f32`.
+        let smallest = f64::from(f32::MIN_POSITIVE);
+        let tiny = R::narrow(f32::MIN_POSITIVE);
+        let is_single = tiny.mul(tiny).whole() == 0.0;
+        if sum.is_infinite() {
+            Some(UndefinedKind::SquaresTooLarge)
+        } else if is_single && sum.whole() < smallest {
+            Some(UndefinedKind::SquaresTooSmall)
+        } else {
+            None
+        }
+    }
+
+    /// Looks at floats that were loaded.
+    fn look_at_loaded(&mut self, pc: usize, operands: &[u32]) {
+        let Some(mut watch) = self.watch.take() else { return };
+        for group in operands.chunks_exact(3) {
+            match Stored::ALL[group[2] as usize] {
+                Stored::F32 | Stored::F16 => {}
+                Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool | Stored::B64 => continue,
+            }
+            let loaded = column(&self.reals, group[0]);
+            for (lane, x) in loaded.iter().enumerate() {
+                if self.active >> lane & 1 == 1 && x.single().is_nan() {
+                    watch.see((pc, lane), UndefinedKind::NanFromBuffer, Vec::new);
+                }
+            }
+        }
+        self.watch = Some(watch);
+    }
+
     /// Looks at the results of an instruction that has run: numbers that stopped being
     /// finite here, and `f32` that are too far from their `f64`.
     pub(super) fn look_back(&mut self, pc: usize, op: Op, operands: &[u32]) {
+        if let Op::Load(_) = op {
+            self.look_at_loaded(pc, operands);
+        }
         if !gives_reals(op) || self.watch.is_none() {
             return;
         }
@@ -255,7 +341,7 @@ impl<R: Real> Machine<'_, '_, R> {
                             UndefinedKind::BornInfinite
                         };
                         let all = || reads.iter().map(|reg| operand(reg).double()).collect();
-                        watch.see(pc, kind, all);
+                        watch.see((pc, lane), kind, all);
                     }
                     let Some(tolerance) = watch.tolerance else { continue };
                     if watch.lanes_parted >> lane & 1 == 0 {
@@ -306,7 +392,7 @@ fn undefined2(f: F2, a: f64, b: f64) -> Option<UndefinedKind> {
 }
 
 /// Whether all results are reals that were computed, not moved.
-fn gives_reals(op: Op) -> bool {
+pub(super) fn gives_reals(op: Op) -> bool {
     matches!(
         op,
         Op::F1(_)
@@ -318,12 +404,13 @@ fn gives_reals(op: Op) -> bool {
             | Op::Normalize(_)
             | Op::Cross
             | Op::Ldexp
+            | Op::Cast(Cast::RoundHalf)
             | Op::DerivativeFine(_)
             | Op::DerivativeCoarse(_)
     )
 }
 
 /// Whether all operands are reals too.
-fn takes_reals(op: Op) -> bool {
+pub(super) fn takes_reals(op: Op) -> bool {
     op != Op::Ldexp
 }

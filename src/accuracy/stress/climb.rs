@@ -1,0 +1,104 @@
+//! The worst input, by hill-climbing on the bits of bad ones.
+//!
+//! Feeds [`find`](super::find).
+
+use std::time::Instant;
+
+use super::generate::Generator;
+use super::input::{Input, Sample, float};
+use super::measure::{Off, Outcome, floats, outcome};
+use super::random::Random;
+use super::sample::{Plan, Tally, columns, settings};
+use crate::run::call::pure::Pure;
+
+/// Neighbours tried at a time.
+const NEIGHBOURS: usize = 64;
+
+/// Rounds of one climb; those without a better one before it gives up.
+const ROUNDS: usize = 48;
+const PATIENCE: usize = 10;
+
+/// Climbs from a sample as high as an error goes.
+pub(super) fn climb(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    start: &Sample,
+    height: impl Fn(&Off) -> f64,
+    random: &mut Random,
+    tally: &mut Tally,
+) -> (Sample, Off) {
+    let (inputs, domain) = (generator.inputs, generator.domain);
+    let floats = floats(pure);
+    let mut best = (start.clone(), Off::default());
+    let mut idle = 0;
+    for round in 0..ROUNDS {
+        if plan.until.is_some_and(|until| Instant::now() >= until) || idle > PATIENCE {
+            break;
+        }
+        let mut samples = vec![best.0.clone()];
+        while samples.len() < NEIGHBOURS {
+            let mut next = best.0.clone();
+            let times = if random.chance(0.7) { 1 } else { 1 + random.below(3) };
+            for _ in 0..times {
+                step(&mut next, inputs, generator, random);
+            }
+            if domain.fit(&mut next, inputs, random) {
+                samples.push(next);
+            } else if random.chance(0.05) {
+                samples.push(best.0.clone());
+            }
+        }
+        let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings(plan, false))
+        else {
+            break;
+        };
+        idle += 1;
+        for (lane, sample) in samples.iter().enumerate() {
+            let outcome = outcome(&called, &floats, lane);
+            if round > 0 || lane > 0 {
+                tally.add(outcome);
+            }
+            if let Outcome::Off(off, _) = outcome {
+                if height(&off) > height(&best.1) {
+                    idle = if lane == 0 { idle } else { 0 };
+                    best = (sample.clone(), off);
+                }
+            }
+        }
+    }
+    best
+}
+
+/// Changes one scalar: a bit, a few units of the last place, another value, or another input's.
+fn step(sample: &mut Sample, inputs: &[Input], generator: &Generator<'_>, random: &mut Random) {
+    if inputs.is_empty() {
+        return;
+    }
+    let nth = random.below(inputs.len());
+    let input = &inputs[nth];
+    let at = input.first + random.below(input.len);
+    if !input.is_float() {
+        generator.draw(nth, sample, random);
+        return;
+    }
+    let x = float(sample, at);
+    let bits = x.to_bits();
+    let next = match random.below(8) {
+        0 | 1 => bits ^ (1 << random.below(23)),
+        2 => bits.wrapping_add(1),
+        3 => bits.wrapping_sub(1),
+        4 | 5 => {
+            let by = 1.0 + random.between(-1.0, 1.0) * random.scale(1e-7, 0.5);
+            ((f64::from(x) * by) as f32).to_bits()
+        }
+        6 => ((f64::from(x) * random.scale(0.1, 10.0)) as f32).to_bits(),
+        _ => {
+            generator.draw(nth, sample, random);
+            return;
+        }
+    };
+    if f32::from_bits(next).is_finite() {
+        sample[at] = u64::from(next);
+    }
+}

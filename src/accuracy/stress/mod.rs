@@ -1,0 +1,230 @@
+//! Where a shader function breaks, how wrong it gets, and why.
+//!
+//! [`Pure`](crate::run::call::pure::Pure) makes the function callable; [`generate`] makes inputs,
+//! [`sample`] runs them in `f32` and `f64`, [`classify`] names what they meet, [`find`] makes
+//! findings of it. [`emit::stress`](crate::emit::stress) prints the [`Report`].
+
+mod blame;
+mod classify;
+mod climb;
+mod comments;
+mod condition;
+pub mod domain;
+mod find;
+mod generate;
+pub mod hazard;
+mod input;
+mod map;
+mod measure;
+mod permitted;
+mod random;
+mod report;
+mod rewrite;
+pub mod role;
+mod sample;
+mod scene;
+mod semantic;
+mod shrink;
+pub mod words;
+
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+pub use classify::Performed;
+pub use condition::Condition;
+pub use generate::Family;
+pub use input::{Input, Sample};
+pub use map::{MapRequest, error_map};
+pub use measure::{Off, Outcome, Spread};
+pub use permitted::Permitted;
+pub use report::{Against, Asked, Case, Found, Report, ResultScalar, Worst, command};
+pub use rewrite::Gain;
+pub use sample::Tally;
+
+use crate::run::call::Refusal;
+use crate::run::call::pure::{Pure, PureRequest};
+use crate::source::Source;
+use crate::{Diagnostic, Options, Severity};
+use domain::Domain;
+use generate::Generator;
+use random::Random;
+use sample::Plan;
+
+/// What is to be found out, and how long it may take.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The function, and what of its surroundings stays fixed.
+    pub pure: PureRequest,
+    /// What its inputs may be, in JSON.
+    pub domain: Option<Value>,
+    /// What random numbers start from.
+    pub seed: u64,
+    /// Samples to run.
+    pub samples: u64,
+    /// Time for sampling; what is found is looked at in half as much again.
+    pub time: Option<Duration>,
+    /// Threads; 0 for as many as there are.
+    pub threads: usize,
+    /// Errors from which on a finding is made, in steps of 1/255 of full scale.
+    pub steps: f64,
+    /// And in units of the last place.
+    pub ulp: Option<f64>,
+    /// A function that each finding is held against, and the shader it is in.
+    pub against: Option<(Source, PureRequest)>,
+    /// Iterations of loops one invocation may take.
+    pub budget: u32,
+}
+
+impl Default for Request {
+    fn default() -> Request {
+        Request {
+            pure: PureRequest::default(),
+            domain: None,
+            seed: 1,
+            samples: 100_000,
+            time: Some(Duration::from_secs(8)),
+            threads: 0,
+            steps: 0.5,
+            ulp: None,
+            against: None,
+            budget: 4096,
+        }
+    }
+}
+
+/// Stresses a function; `progress` is told how many samples ran, and says whether to go on.
+///
+/// # Errors
+/// A shader that does not run; a function it does not have or that cannot be called by itself; a
+/// domain that is empty or about something else.
+pub fn stress(
+    source: &Source,
+    options: &Options,
+    request: &Request,
+    progress: &(dyn Fn(u64) -> bool + Sync),
+) -> Result<Report, Box<Refusal>> {
+    let began = Instant::now();
+    let pure = Pure::new(source, options, &request.pure)?;
+    let inputs = input::inputs(&pure);
+    let refused =
+        |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
+    let domain = domain_of(source, request, &pure, &inputs).map_err(&refused)?;
+    let against = match &request.against {
+        Some((source, other)) => Some(Pure::new(source, options, other)?),
+        None => None,
+    };
+    let generator = Generator::new(&inputs, &domain, request.seed);
+    let threads = match request.threads {
+        0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
+        given => given,
+    };
+    let plan = Plan {
+        samples: request.samples,
+        until: request.time.and_then(|time| began.checked_add(time)),
+        threads,
+        steps: request.steps,
+        ulp: request.ulp.unwrap_or(f64::INFINITY),
+        budget: request.budget,
+    };
+    let failed = |failure: crate::run::reader::Failure| {
+        refused(finding("cannot-run", failure.message, None, &source.path))
+    };
+    let started = Instant::now();
+    let mut sampled = sample::run(&pure, &generator, &plan, progress).map_err(&failed)?;
+    let sampling = started.elapsed();
+    let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
+    let more = request.time.map_or(Duration::from_secs(10), |time| time / 2);
+    let until = Instant::now() + more;
+    let after = Plan { until: Some(until), ..plan.clone() };
+    let mut climbed = Tally::default();
+    let endless: Vec<Sample> = sampled
+        .exemplars
+        .iter()
+        .filter(|((_, why), _)| *why == sample::Why::Endless)
+        .map(|(_, kept)| kept.sample.clone())
+        .collect();
+    let worst = worst(&pure, &generator, &after, &sampled, &mut climbed);
+    let exemplars = std::mem::take(&mut sampled.exemplars);
+    let mut raws = find::findings(&pure, &generator, &after, exemplars, until, &mut climbed);
+    raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
+    if let Some((_, tally)) =
+        sampled.families.iter_mut().find(|(family, _)| *family == Family::Climbed)
+    {
+        tally.merge(&climbed);
+    }
+    Ok(report::report(report::Made {
+        source,
+        request,
+        pure: &pure,
+        inputs: &inputs,
+        domain: &domain,
+        plan: &after,
+        against: against.as_ref(),
+        families: sampled.families,
+        raws,
+        worst,
+        endless,
+        stopped: sampled.stopped,
+        rate: ran as f64 / sampling.as_secs_f64().max(1.0e-9),
+        threads,
+        seconds: began.elapsed().as_secs_f64(),
+    }))
+}
+
+/// The worst finite samples: the largest error in units of the last place, and in steps.
+fn worst(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    sampled: &sample::Sampled,
+    tally: &mut Tally,
+) -> Vec<(Sample, Off)> {
+    let mut random = Random::new(11, 11);
+    let mut all = Vec::new();
+    let heights: [fn(&Off) -> f64; 2] = [|off| off.ulp, |off| off.steps];
+    for height in heights {
+        let mut best: Option<(Sample, Off)> = None;
+        for start in sampled.starts() {
+            let found = climb::climb(pure, generator, plan, start, height, &mut random, tally);
+            if best.as_ref().is_none_or(|(_, off)| height(&found.1) > height(off)) {
+                best = Some(found);
+            }
+        }
+        all.extend(best);
+    }
+    all
+}
+
+fn domain_of(
+    source: &Source,
+    request: &Request,
+    pure: &Pure,
+    inputs: &[Input],
+) -> Result<Domain, Diagnostic> {
+    let mut domain = Domain::any(inputs);
+    let refuse = |code: &'static str, about: &str, refused: domain::Refused| {
+        finding(code, refused.message, refused.help, about)
+    };
+    let name = pure.shown.split('(').next().unwrap_or_default().to_string();
+    for file in pure.files.iter() {
+        comments::add(&mut domain, &file.text, &name, inputs)
+            .map_err(|r| refuse("bad-domain", &source.path, r))?;
+    }
+    if let Some(json) = &request.domain {
+        domain.add_json(json, inputs).map_err(|r| refuse("bad-domain", "--domain", r))?;
+    }
+    Ok(domain)
+}
+
+fn finding(code: &'static str, message: String, help: Option<String>, about: &str) -> Diagnostic {
+    Diagnostic {
+        code,
+        severity: Severity::Error,
+        message,
+        path: Some(about.to_string()),
+        labels: Vec::new(),
+        notes: Vec::new(),
+        help,
+    }
+}

@@ -1,0 +1,74 @@
+//! Random numbers that are the same on every machine: splitmix64.
+//!
+//! Feeds the generators of [`stress`](super).
+
+/// A stream of random numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Random {
+    state: u64,
+}
+
+impl Random {
+    /// The stream of that number under a seed.
+    pub fn new(seed: u64, stream: u64) -> Random {
+        let mut random = Random { state: seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15) };
+        random.word();
+        random
+    }
+
+    pub fn word(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    /// From 0 up to, not including, `end`.
+    pub fn below(&mut self, end: usize) -> usize {
+        ((u128::from(self.word()) * end.max(1) as u128) >> 64) as usize
+    }
+
+    /// From 0 to 1.
+    pub fn unit(&mut self) -> f64 {
+        (self.word() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Between two positive numbers, each power of two as likely.
+    pub fn scale(&mut self, low: f64, high: f64) -> f64 {
+        (self.between(low.ln(), high.ln())).exp()
+    }
+
+    pub fn chance(&mut self, share: f64) -> bool {
+        self.unit() < share
+    }
+
+    pub fn pick<'a, T>(&mut self, all: &'a [T]) -> &'a T {
+        &all[self.below(all.len())]
+    }
+
+    /// A direction, evenly over the sphere.
+    pub fn direction(&mut self) -> [f64; 3] {
+        loop {
+            let v = [0; 3].map(|_| self.between(-1.0, 1.0));
+            let d2: f64 = v.iter().map(|x| x * x).sum();
+            if d2 > 1e-3 && d2 <= 1.0 {
+                return v.map(|x| x / d2.sqrt());
+            }
+        }
+    }
+
+    /// A finite `f32`, each exponent as likely.
+    pub fn bits(&mut self) -> f32 {
+        loop {
+            let x = f32::from_bits(self.word() as u32);
+            if x.is_finite() {
+                return x;
+            }
+        }
+    }
+}

@@ -1,0 +1,374 @@
+//! Runs the samples: both cores, a chunk at a time, keeping sums and the few samples worth a
+//! closer look.
+//!
+//! Takes chunks of [`generate`](super::generate); feeds [`find`](super::find).
+
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::time::Instant;
+
+use rustc_hash::FxHashMap;
+
+use super::generate::{Chunk, Family, Generator, TAG_BITS};
+use super::input::Sample;
+use super::measure::{Outcome, Spread, floats, outcome};
+use crate::run::call::pure::{Pure, PureCalled};
+use crate::run::eval::{Precision, Settings, UndefinedKind};
+use crate::run::reader::{Failure, FailureKind};
+
+/// What is known of the samples of one family.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// How many ran.
+    pub samples: u64,
+    /// Met a `discard`.
+    pub discarded: u64,
+    /// Gave NaN.
+    pub nan: u64,
+    /// Gave an infinity.
+    pub infinite: u64,
+    /// Did not end.
+    pub endless: u64,
+    /// Operations without a defined value, over all that were watched.
+    pub undefined: u64,
+    /// Errors of the finite ones.
+    pub ulp: Spread,
+    /// The same relative to the value, with a floor.
+    pub relative: Spread,
+    /// The same in steps of 1/255.
+    pub steps: Spread,
+}
+
+impl Tally {
+    pub(super) fn add(&mut self, outcome: Outcome) {
+        self.samples += 1;
+        match outcome {
+            Outcome::Discarded => self.discarded += 1,
+            Outcome::NotANumber => self.nan += 1,
+            Outcome::Infinite => self.infinite += 1,
+            Outcome::Off(off, _) => {
+                self.ulp.add(off.ulp);
+                self.relative.add(off.relative);
+                self.steps.add(off.steps);
+            }
+        }
+    }
+
+    /// Adds all of another.
+    pub fn merge(&mut self, other: &Tally) {
+        self.samples += other.samples;
+        self.discarded += other.discarded;
+        self.nan += other.nan;
+        self.infinite += other.infinite;
+        self.endless += other.endless;
+        self.undefined += other.undefined;
+        self.ulp.merge(&other.ulp);
+        self.relative.merge(&other.relative);
+        self.steps.merge(&other.steps);
+    }
+}
+
+/// Why a sample is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) enum Why {
+    /// An operation of that kind at a byte of a file.
+    Undefined(UndefinedKind, u32, u32),
+    NotANumber,
+    Infinite,
+    Above,
+    Below,
+    Endless,
+}
+
+/// A sample worth a closer look.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    pub sample: Sample,
+    pub severity: f64,
+    /// The chunk and the lane it was in: ties go to the earlier one.
+    at: (usize, usize),
+}
+
+/// Samples by how they were made and why they are kept.
+pub(super) type Exemplars = FxHashMap<(u32, Why), Kept>;
+
+/// Exemplars a thread keeps.
+const KEPT: usize = 6000;
+
+/// How samples are run.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub samples: u64,
+    pub until: Option<Instant>,
+    pub threads: usize,
+    /// Errors from which on a sample is kept.
+    pub steps: f64,
+    pub ulp: f64,
+    pub budget: u32,
+}
+
+/// What all samples came to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sampled {
+    pub families: Vec<(Family, Tally)>,
+    pub exemplars: Exemplars,
+    /// The worst finite ones: by units of the last place, and by steps.
+    tops: [Vec<Kept>; 2],
+    /// Whether somebody said stop, or the time was up.
+    pub stopped: bool,
+}
+
+/// Of the worst finite samples, how many are kept.
+const TOPS: usize = 3;
+
+impl Sampled {
+    /// Where to climb from.
+    pub fn starts(&self) -> impl Iterator<Item = &Sample> {
+        self.tops.iter().flatten().map(|kept| &kept.sample)
+    }
+
+    fn top(&mut self, which: usize, severity: f64, at: (usize, usize), sample: &Sample) {
+        let tops = &mut self.tops[which];
+        let full = tops.len() >= TOPS;
+        if full && tops.last().is_some_and(|last| last.severity >= severity) {
+            return;
+        }
+        tops.push(Kept { sample: sample.clone(), severity, at });
+        tops.sort_by(|a, b| b.severity.total_cmp(&a.severity).then(a.at.cmp(&b.at)));
+        tops.truncate(TOPS);
+    }
+}
+
+/// Says how far it is, and is told whether to go on.
+pub(super) type Progress<'p> = &'p (dyn Fn(u64) -> bool + Sync);
+
+/// Runs samples until there are enough, the time is up, or somebody says stop.
+pub(super) fn run(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    progress: Progress<'_>,
+) -> Result<Sampled, Failure> {
+    let next = AtomicUsize::new(0);
+    let done = AtomicU64::new(0);
+    let stop = AtomicBool::new(false);
+    let work = || -> Result<Sampled, Failure> {
+        let mut mine = Worker::new(pure, plan);
+        loop {
+            let late = plan.until.is_some_and(|until| Instant::now() >= until);
+            if late || stop.load(Ordering::Relaxed) {
+                mine.sampled.stopped |= done.load(Ordering::Relaxed) < plan.samples;
+                break;
+            }
+            if done.load(Ordering::Relaxed) >= plan.samples {
+                break;
+            }
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let chunk = generator.chunk(number);
+            let lanes = chunk.samples.len() as u64;
+            mine.run(number, &chunk)?;
+            // A domain may leave nothing of a family.
+            let all = done.fetch_add(lanes.max(1), Ordering::Relaxed) + lanes;
+            if !progress(all) {
+                stop.store(true, Ordering::Relaxed);
+            }
+        }
+        Ok(mine.finish())
+    };
+    let threads = plan.threads.max(1);
+    let parts: Vec<Result<Sampled, Failure>> = if threads == 1 {
+        vec![work()]
+    } else {
+        std::thread::scope(|scope| {
+            let handles: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+            handles.into_iter().map(|h| h.join().expect("sampling does not panic")).collect()
+        })
+    };
+    let mut all = Sampled {
+        families: Family::ALL.map(|family| (family, Tally::default())).to_vec(),
+        ..Sampled::default()
+    };
+    for part in parts {
+        let part = part?;
+        all.stopped |= part.stopped;
+        for ((_, sum), (_, more)) in all.families.iter_mut().zip(&part.families) {
+            sum.merge(more);
+        }
+        for (which, tops) in part.tops.into_iter().enumerate() {
+            tops.iter().for_each(|kept| all.top(which, kept.severity, kept.at, &kept.sample));
+        }
+        for (key, kept) in part.exemplars {
+            keep(&mut all.exemplars, key, kept, usize::MAX);
+        }
+    }
+    Ok(all)
+}
+
+struct Worker<'a> {
+    pure: &'a Pure,
+    plan: &'a Plan,
+    floats: Vec<(usize, usize)>,
+    sampled: Sampled,
+}
+
+impl<'a> Worker<'a> {
+    fn new(pure: &'a Pure, plan: &'a Plan) -> Worker<'a> {
+        let sampled = Sampled {
+            families: Family::ALL.map(|family| (family, Tally::default())).to_vec(),
+            ..Sampled::default()
+        };
+        Worker { pure, plan, floats: floats(pure), sampled }
+    }
+
+    fn finish(self) -> Sampled {
+        self.sampled
+    }
+
+    fn run(&mut self, number: usize, chunk: &Chunk) -> Result<(), Failure> {
+        let watch = matches!(chunk.family, Family::Coincidences | Family::Scenes);
+        self.part(number, chunk, 0..chunk.samples.len(), watch)
+    }
+
+    /// Runs lanes of a chunk; those that do not end are found by halving.
+    fn part(
+        &mut self,
+        number: usize,
+        chunk: &Chunk,
+        lanes: std::ops::Range<usize>,
+        watch: bool,
+    ) -> Result<(), Failure> {
+        if lanes.is_empty() {
+            return Ok(());
+        }
+        let samples = &chunk.samples[lanes.clone()];
+        let settings = settings(self.plan, watch);
+        match self.pure.call(&columns(samples), samples.len(), &settings) {
+            Ok(called) => {
+                self.judge(number, chunk, lanes, &called);
+                Ok(())
+            }
+            Err(failure) if failure.kind == FailureKind::TimedOut => {
+                if self.plan.until.is_some_and(|until| Instant::now() >= until) {
+                    self.sampled.stopped = true;
+                    return Ok(());
+                }
+                if lanes.len() == 1 {
+                    let tally = self.tally(chunk.family);
+                    tally.samples += 1;
+                    tally.endless += 1;
+                    let kept = Kept {
+                        sample: chunk.samples[lanes.start].clone(),
+                        severity: 1.0,
+                        at: (number, lanes.start),
+                    };
+                    keep(&mut self.sampled.exemplars, (0, Why::Endless), kept, KEPT);
+                    return Ok(());
+                }
+                let middle = lanes.start + lanes.len() / 2;
+                self.part(number, chunk, lanes.start..middle, watch)?;
+                self.part(number, chunk, middle..lanes.end, watch)
+            }
+            Err(failure) => Err(failure),
+        }
+    }
+
+    fn tally(&mut self, family: Family) -> &mut Tally {
+        let at = Family::ALL.iter().position(|f| *f == family).unwrap_or(0);
+        &mut self.sampled.families[at].1
+    }
+
+    fn judge(
+        &mut self,
+        number: usize,
+        chunk: &Chunk,
+        lanes: std::ops::Range<usize>,
+        called: &PureCalled,
+    ) {
+        let special = chunk.family == Family::Special;
+        for lane in 0..lanes.len() {
+            let outcome = outcome(called, &self.floats, lane);
+            self.tally(chunk.family).add(outcome);
+            if special {
+                continue;
+            }
+            let nth = lanes.start + lane;
+            if let Outcome::Off(off, _) = outcome {
+                let sample = &chunk.samples[nth];
+                self.sampled.top(0, off.ulp, (number, nth), sample);
+                self.sampled.top(1, off.steps, (number, nth), sample);
+            }
+            let (why, severity) = match outcome {
+                Outcome::Discarded => continue,
+                Outcome::NotANumber => (Why::NotANumber, 2.0),
+                Outcome::Infinite => (Why::Infinite, 1.0),
+                Outcome::Off(off, _) if off.steps < self.plan.steps && off.ulp < self.plan.ulp => {
+                    continue;
+                }
+                Outcome::Off(off, above) => {
+                    (if above { Why::Above } else { Why::Below }, off.steps)
+                }
+            };
+            let tag = chunk.tags[nth];
+            // Of bits, some of all are kept, not only the worst: they are as good as overflow.
+            let tag = match tag {
+                TAG_BITS => (1 << 28) + (nth as u32 & 63),
+                tag => tag,
+            };
+            self.keep(chunk, number, nth, (tag, why), severity);
+        }
+        let mut undefined = 0;
+        for seen in &called.called.notes.undefined {
+            undefined += seen.count;
+            let span = seen.place.span;
+            for &lane in seen.lanes.iter().filter(|_| !special) {
+                let nth = lanes.start + lane;
+                let key = (chunk.tags[nth], Why::Undefined(seen.kind, span.file, span.start));
+                self.keep(chunk, number, nth, key, 0.0);
+            }
+        }
+        self.tally(chunk.family).undefined += undefined;
+    }
+
+    fn keep(&mut self, chunk: &Chunk, number: usize, nth: usize, key: (u32, Why), severity: f64) {
+        let known = self.sampled.exemplars.get(&key);
+        if known.is_some_and(|known| known.severity >= severity) {
+            return;
+        }
+        let kept = Kept { sample: chunk.samples[nth].clone(), severity, at: (number, nth) };
+        keep(&mut self.sampled.exemplars, key, kept, KEPT);
+    }
+}
+
+fn keep(all: &mut Exemplars, key: (u32, Why), new: Kept, most: usize) {
+    let room = all.len() < most;
+    match all.get_mut(&key) {
+        Some(known) => {
+            let better = new.severity > known.severity
+                || new.severity == known.severity && new.at < known.at;
+            if better {
+                *known = new;
+            }
+        }
+        None if room => {
+            all.insert(key, new);
+        }
+        None => {}
+    }
+}
+
+/// How a call of many lanes runs.
+pub(super) fn settings(plan: &Plan, watch: bool) -> Settings {
+    Settings {
+        precision: Precision::Both,
+        watch,
+        budget: plan.budget,
+        deadline: plan.until,
+        threads: 1,
+        ..Settings::default()
+    }
+}
+
+/// Samples by scalar.
+pub(super) fn columns(samples: &[Sample]) -> Vec<Vec<u64>> {
+    let scalars = samples.first().map_or(0, Vec::len);
+    (0..scalars).map(|at| samples.iter().map(|sample| sample[at]).collect()).collect()
+}

@@ -1,0 +1,143 @@
+//! The simplest input that still breaks: zeros, ones, round numbers, few bits.
+//!
+//! Feeds [`find`](super::find).
+
+use std::time::Instant;
+
+use super::domain::Domain;
+use super::input::{Input, Sample, float};
+
+/// Trials at most.
+const TRIALS: usize = 600;
+
+/// Simplifies a sample as long as it still breaks.
+pub(super) fn shrink(
+    sample: &Sample,
+    inputs: &[Input],
+    domain: &Domain,
+    until: Instant,
+    mut breaks: impl FnMut(&Sample) -> bool,
+) -> Sample {
+    let mut best = sample.clone();
+    let mut trials = 0;
+    let mut attempt = |best: &mut Sample, next: Sample| -> bool {
+        if trials >= TRIALS || Instant::now() >= until || !domain.holds(&next, inputs) {
+            return false;
+        }
+        trials += 1;
+        let good = breaks(&next);
+        if good {
+            *best = next;
+        }
+        good
+    };
+    for round in 0..2 {
+        let before = best.clone();
+        if round == 0 {
+            for input in inputs {
+                for whole in wholes(input) {
+                    let mut next = best.clone();
+                    input.range().zip(&whole).for_each(|(at, x)| next[at] = *x);
+                    if cost(inputs, &next) < cost(inputs, &best) && attempt(&mut best, next) {
+                        break;
+                    }
+                }
+            }
+        }
+        for input in inputs {
+            for at in input.range() {
+                let now = simplicity(input, best[at]);
+                for x in simpler(input, best[at]) {
+                    if simplicity(input, x) >= now {
+                        continue;
+                    }
+                    let mut next = best.clone();
+                    next[at] = x;
+                    if attempt(&mut best, next) {
+                        break;
+                    }
+                }
+            }
+        }
+        if best == before {
+            break;
+        }
+    }
+    best
+}
+
+/// Values a whole input is tried at.
+fn wholes(input: &Input) -> Vec<Vec<u64>> {
+    let of = |x: f32| u64::from(x.to_bits());
+    if !input.is_float() {
+        return vec![vec![0; input.len], vec![1; input.len]];
+    }
+    let mut all = vec![vec![of(0.0); input.len], vec![of(1.0); input.len]];
+    if input.is_vector() {
+        for axis in (0..input.len.min(3)).rev() {
+            for sign in [1.0, -1.0] {
+                let mut v = vec![of(0.0); input.len];
+                v[axis] = of(sign);
+                all.push(v);
+            }
+        }
+    }
+    if input.len > input.rows {
+        let one = |i: usize| of(f32::from(u8::from(i / input.rows == i % input.rows)));
+        all.insert(0, (0..input.len).map(one).collect());
+    }
+    all
+}
+
+/// Simpler words than one, the simplest first.
+fn simpler(input: &Input, word: u64) -> Vec<u64> {
+    if !input.is_float() {
+        return vec![0, 1, 2, word >> 1, word >> 4];
+    }
+    let x = f32::from_bits(word as u32);
+    if !x.is_finite() {
+        return Vec::new();
+    }
+    let mut all: Vec<f32> = vec![0.0, 1.0, -1.0, 0.5, 2.0, 10.0];
+    for digits in 0..4usize {
+        all.extend(format!("{x:.digits$e}").parse::<f32>());
+    }
+    all.push(x.round());
+    for kept in [1, 2, 4, 8, 12, 16] {
+        all.push(f32::from_bits((x.to_bits() >> (23 - kept)) << (23 - kept)));
+    }
+    all.into_iter().filter(|y| y.is_finite()).map(|y| u64::from(y.to_bits())).collect()
+}
+
+fn cost(inputs: &[Input], sample: &Sample) -> u32 {
+    inputs.iter().flat_map(|i| i.range().map(|at| simplicity(i, sample[at]))).sum()
+}
+
+/// How much there is to read of a word.
+fn simplicity(input: &Input, word: u64) -> u32 {
+    if !input.is_float() {
+        return 64 - word.leading_zeros();
+    }
+    let x = f32::from_bits(word as u32);
+    if x == 0.0 {
+        return u32::from(x.is_sign_negative());
+    }
+    let sign = u32::from(x < 0.0);
+    if x.abs() == 1.0 {
+        return 2 + sign;
+    }
+    let digits = format!("{:e}", x.abs());
+    let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
+    let exponent = exponent.trim_start_matches('-').parse::<u32>().unwrap_or(0);
+    let decimal = mantissa.len() as u32 * 3 + exponent.min(40) / 3;
+    let set = (x.to_bits() & 0x7f_ffff).count_ones();
+    3 + sign + decimal.min(2 * set + 12)
+}
+
+/// Whether the inputs are numbers as scenes have them.
+pub(super) fn plausible(inputs: &[Input], sample: &Sample) -> bool {
+    inputs.iter().filter(|input| input.is_float()).flat_map(Input::range).all(|at| {
+        let x = float(sample, at).abs();
+        x == 0.0 || (1.0e-7..=1.1e7).contains(&x)
+    })
+}

@@ -1,0 +1,138 @@
+//! `landfall stress`: where a function breaks, how wrong it gets, and why.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use landfall::accuracy::stress::{MapRequest, Request, error_map, stress};
+use landfall::emit::stress as print;
+use landfall::run::call::pure::PureRequest;
+use landfall::run::eval::Floats;
+use landfall::source::Files;
+use landfall::{Diagnostic, Error};
+
+use crate::args::{ReaderName, StressArgs, StressFormat};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::run::colour;
+use crate::{data, read, readers};
+
+pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let form = match args.format {
+        StressFormat::Human => FindingForm::Human,
+        StressFormat::Json | StressFormat::Sarif => FindingForm::Json,
+    };
+    let style = streams.style(form);
+    let made = (|| Ok((read::source(&args.file, &args.read)?, request(args)?)))();
+    let (source, request) = match made {
+        Ok(made) => made,
+        Err(error) => {
+            let error: Error = error;
+            let found = Diagnostic { code: "bad-request", ..error.into() };
+            streams.report(&style.text(&[found], &Files::default()));
+            return Ok(Outcome::CouldNot);
+        }
+    };
+    let began = Instant::now();
+    let shows = streams.shows_progress();
+    let shown = Mutex::new(Instant::now());
+    let progress = |samples: u64| {
+        if shows {
+            if let Ok(mut last) = shown.try_lock() {
+                if last.elapsed().as_millis() > 200 {
+                    *last = Instant::now();
+                    let seconds = began.elapsed().as_secs_f64();
+                    let all = request.samples;
+                    eprint!("\r{samples} of {all} samples, {seconds:.1} s\x1b[K");
+                }
+            }
+        }
+        true
+    };
+    let options = read::options(&args.read);
+    let stressed = stress(&source, &options, &request, &progress);
+    if shows {
+        eprint!("\r\x1b[K");
+    }
+    let mut report = match stressed {
+        Ok(report) => report,
+        Err(refusal) => {
+            streams.report(&style.text(&refusal.found, &refusal.files));
+            return Ok(Outcome::CouldNot);
+        }
+    };
+    for name in args.readers.iter().filter(|name| **name != ReaderName::Cpu) {
+        let opened = readers::one(*name, args.adapter.as_deref());
+        let mut reader = opened.map_err(|failure| {
+            Error::new(name.name(), format!("cannot run it: {}", failure.message))
+                .with_help("`landfall devices` lists what is here")
+        })?;
+        report.ask(&source, &options, &request.pure.textures, reader.as_mut());
+    }
+    if let (Some(file), Some(x), Some(y)) = (&args.map, &args.map_x, &args.map_y) {
+        let map = MapRequest { x: x.clone(), y: y.clone(), ..MapRequest::default() };
+        match error_map(&source, &options, &request, &report, &map) {
+            Ok(svg) => {
+                let html = file.extension().is_some_and(|e| e == "html" || e == "htm");
+                let text = if html { print::page(&report, &svg) } else { svg };
+                landfall::file::write_whole(file, text.as_bytes())?;
+            }
+            Err(refusal) => {
+                streams.report(&style.text(&refusal.found, &refusal.files));
+                return Ok(Outcome::CouldNot);
+            }
+        }
+    }
+    match args.format {
+        StressFormat::Human => streams.product(&print::text(&report, streams.paint))?,
+        StressFormat::Json => streams.product(&print::json(&report))?,
+        StressFormat::Sarif => streams.product(&print::sarif(&report))?,
+    }
+    let past = |most: Option<f64>, is: f64| most.is_some_and(|most| is > most);
+    let too_far =
+        past(args.max_ulp, report.total.ulp.max) || past(args.max_step, report.total.steps.max);
+    let denied = report.findings.iter().any(|f| f.level == landfall::lint::Level::Deny);
+    Ok(match too_far || denied || report.has_non_finite() {
+        true => Outcome::Findings,
+        false => Outcome::Clean,
+    })
+}
+
+fn request(args: &StressArgs) -> Result<Request, Error> {
+    let textures = args
+        .textures
+        .iter()
+        .map(|(name, text)| Ok((name.clone(), colour(&data::value("--texture", text)?, name)?)));
+    let domain = match &args.domain {
+        None => None,
+        Some(text) => Some(data::file_or_value("--domain", text)?),
+    };
+    let against = match &args.against {
+        None => None,
+        Some(text) => {
+            let (file, name) = match text.split_once('#') {
+                Some((file, name)) => (file, name.to_string()),
+                None => (text.as_str(), args.function.clone()),
+            };
+            let source = read::source(Path::new(file), &args.read)?;
+            Some((source, PureRequest { function: name, ..PureRequest::default() }))
+        }
+    };
+    let half = Request::default().steps;
+    Ok(Request {
+        pure: PureRequest {
+            function: args.function.clone(),
+            data: data::blocks(args.data.as_deref())?,
+            textures: textures.collect::<Result<_, Error>>()?,
+            floats: if args.half { Floats::Half } else { Floats::AsWritten },
+        },
+        against,
+        domain,
+        seed: args.seed,
+        samples: args.samples,
+        time: Some(args.time),
+        threads: args.jobs.map_or(0, std::num::NonZeroUsize::get),
+        steps: args.max_step.map_or(half, |most| most.min(half)),
+        ulp: args.max_ulp,
+        ..Request::default()
+    })
+}

@@ -1,0 +1,100 @@
+//! Errors that are known by analysis: what is measured lies within the bound and above half of it.
+
+use landfall::Source;
+use landfall::accuracy::stress::Report;
+
+use super::{domain, request, run};
+
+/// The largest error in units of the last place, over the samples of a function in a domain.
+fn measured(text: &str, function: &str, json: &str) -> Report {
+    let source = Source::new("figures.frag", format!("#version 450\n{text}\nvoid main() {{}}\n"));
+    let mut request = request(function);
+    request.domain = domain(json);
+    run(&source, &request)
+}
+
+#[test]
+fn a_difference_of_squares_loses_what_cancels() {
+    // From 1 + 2^-12 on, x * x - 1 is at least 2^-11 and its last place 2^-34. Rounding x * x,
+    // which is from 1 to 4, is off by half of its own last place: 2^-24 up to sqrt(2). The
+    // difference itself is exact up to x * x = 2. So 2^-24 / 2^-34 at the most.
+    let report = measured(
+        "float f(float x) { return x * x - 1.0; }",
+        "f",
+        r#"{"x": [1.000244140625, 1.25]}"#,
+    );
+    let most = report.total.ulp.max;
+    assert!((512.0..=1024.5).contains(&most), "{most} ULP");
+}
+
+#[test]
+fn one_minus_a_cosine_loses_what_cancels() {
+    // Near 2^-6, 1 - cos(x) is x^2 / 2 = 2^-13, its last place 2^-36. The cosine is from a half
+    // to 1 and rounded to 2^-25, half of its last place; the difference is exact.
+    let report =
+        measured("float f(float x) { return 1.0 - cos(x); }", "f", r#"{"x": [0.015625, 0.25]}"#);
+    let most = report.total.ulp.max;
+    // 1 - cos(2^-6) is just below 2^-13, where a last place is 2^-37.
+    assert!((2048.0..=4096.5).contains(&most), "{most} ULP");
+}
+
+#[test]
+fn a_sum_is_as_far_off_as_its_additions_allow() {
+    // Eight terms from 1 to 2: seven additions. The partial sums are below 4, 6, 8, 10, 12, 14,
+    // 16, so half of their last places are 2^-23 once, 2^-22 up to 8 twice, 2^-21 four times:
+    // 2^-23 + 2 * 2^-22 + 4 * 2^-21 at the most. The sum is at least 8, its last place 2^-20.
+    let text = "float f(vec4 a, vec4 b) {
+        return a.x + a.y + a.z + a.w + b.x + b.y + b.z + b.w;
+    }";
+    let report = measured(text, "f", r#"{"a": [1, 2], "b": [1, 2]}"#);
+    let bound = (1.0 + 2.0 * 2.0 + 4.0 * 4.0) / 8.0;
+    let most = report.total.ulp.max;
+    assert!((bound / 2.0..=bound).contains(&most), "{most} of {bound} ULP");
+}
+
+#[test]
+fn a_power_is_sampled_as_wrong_as_it_is() {
+    // Five squarings of all 2^23 numbers from a half to 1, here in f32 against f64.
+    let mut worst = 0.0f64;
+    for bits in 0x3f00_0000u32..0x3f80_0000 {
+        let x = f32::from_bits(bits);
+        let (mut single, mut double) = (x, f64::from(x));
+        for _ in 0..5 {
+            single *= single;
+            double *= double;
+        }
+        let exponent = (double.to_bits() >> 52) as i32 - 1023;
+        let place = f64::powi(2.0, exponent - 23);
+        worst = worst.max((f64::from(single) - double).abs() / place);
+    }
+    let text = "float f(float x) {
+        float x2 = x * x; float x4 = x2 * x2; float x8 = x4 * x4; float x16 = x8 * x8;
+        return x16 * x16;
+    }";
+    let report = measured(text, "f", r#"{"x": [0.5, 0.99999994]}"#);
+    let most = report.total.ulp.max;
+    assert!(most <= worst && most >= 0.9 * worst, "sampled {most}, all {worst} ULP");
+}
+
+#[test]
+fn the_built_in_power_of_all_inputs_is_as_sampled() {
+    // The evaluator rounds a power of doubles once: half a unit at the most, over all inputs.
+    let report =
+        measured("float f(float x) { return pow(x, 32.0); }", "f", r#"{"x": [0.5, 0.99999994]}"#);
+    let most = report.total.ulp.max;
+    assert!((0.49..=0.5001).contains(&most), "{most} ULP");
+}
+
+#[test]
+fn a_hard_problem_is_told_from_a_bad_formula() {
+    // tan near its pole is ill-conditioned, x * x - 1 near 1 is not once it is (x - 1) * (x + 1).
+    let hard = measured("float f(float x) { return tan(x); }", "f", r#"{"x": [1.57, 1.5707]}"#);
+    let condition = hard.worst[0].condition.as_ref().expect("its result is finite").number;
+    assert!(condition > 100.0, "{condition}");
+    let good = measured(
+        "float f(float x) { return (x - 1.0) * (x + 1.0); }",
+        "f",
+        r#"{"x": [1.000244140625, 1.25]}"#,
+    );
+    assert!(good.total.ulp.max < 3.0, "{}", good.total.ulp.max);
+}
