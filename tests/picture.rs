@@ -318,7 +318,7 @@ fn pairs() -> Vec<(&'static str, Codes, Codes)> {
     };
     let scene = |x: f64, y: f64| {
         let disc = if (x - 40.0).hypot(y - 30.0) < 17.0 { 0.9 } else { 0.2 };
-        let checks = if (x as u32 / 8 + y as u32 / 8) % 2 == 0 { 0.6 } else { 0.35 };
+        let checks = if (x as u32 / 8 + y as u32 / 8).is_multiple_of(2) { 0.6 } else { 0.35 };
         [disc, checks, (x * 0.1).sin() * 0.5 + 0.5]
     };
     let clean = make(97, 61, &mut |x, y| scene(x, y));

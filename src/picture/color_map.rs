@@ -1,7 +1,6 @@
 //! A scale of colours from dark to light: more is lighter, for every eye and in print.
 //!
-//! For the maps of [`difference`](super::difference) and the drawings of
-//! accuracy.
+//! For the maps of [`difference`](super::difference) and of [`accuracy`](crate::accuracy).
 
 /// sRGB codes at equal distances, ever lighter: the course of matplotlib's `magma`.
 const STOPS: [[u8; 3]; 9] = [
