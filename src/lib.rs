@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod accuracy;
 pub mod buffer;
 pub mod build_script;
 pub mod diagnostic;

@@ -1,0 +1,109 @@
+//! Texts beside points, where nothing else is.
+//!
+//! For [`scatter`](super::scatter): each label tries places around its point, nearest first, and
+//! takes the first that is free; where none is, the least covered.
+
+use super::svg::TEXT;
+
+/// A rectangle by its corners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    pub left: f64,
+    pub top: f64,
+    pub right: f64,
+    pub bottom: f64,
+}
+
+impl Area {
+    /// Around a point.
+    pub fn around([x, y]: [f64; 2], reach: f64) -> Area {
+        Area { left: x - reach, top: y - reach, right: x + reach, bottom: y + reach }
+    }
+
+    /// What two have in common.
+    pub fn shared(&self, other: &Area) -> f64 {
+        let width = self.right.min(other.right) - self.left.max(other.left);
+        let height = self.bottom.min(other.bottom) - self.top.max(other.top);
+        if width > 0.0 && height > 0.0 { width * height } else { 0.0 }
+    }
+
+    fn contains(&self, other: &Area) -> bool {
+        other.left >= self.left
+            && other.right <= self.right
+            && other.top >= self.top
+            && other.bottom <= self.bottom
+    }
+}
+
+/// Where a label is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// What its text covers.
+    pub area: Area,
+    /// Whether it is so far from its point that a line should lead there.
+    pub leads: bool,
+}
+
+/// Directions from a point, best first.
+const DIRECTIONS: [[f64; 2]; 8] = [
+    [1.0, 0.0],
+    [-1.0, 0.0],
+    [0.7, -0.7],
+    [0.7, 0.7],
+    [-0.7, -0.7],
+    [-0.7, 0.7],
+    [0.0, -1.0],
+    [0.0, 1.0],
+];
+
+/// A label to be placed.
+#[derive(Clone, Copy, Debug)]
+pub struct Label {
+    /// What it is the label of.
+    pub point: [f64; 2],
+    /// How wide its text is.
+    pub width: f64,
+    /// What it is to be inside of.
+    pub frame: Area,
+}
+
+/// Places labels by their points and off what is `taken`; the first have the choice.
+pub fn place(labels: &[Label], taken: &[Area]) -> Vec<Placed> {
+    let mut taken = taken.to_vec();
+    labels
+        .iter()
+        .map(|label| {
+            let placed = one(label, &taken);
+            taken.push(placed.area);
+            placed
+        })
+        .collect()
+}
+
+fn one(label: &Label, taken: &[Area]) -> Placed {
+    let Label { point, width, frame } = *label;
+    let mut best: Option<(f64, Placed)> = None;
+    for ring in 0..12 {
+        let reach = 9.0 + 10.0 * f64::from(ring);
+        for [dx, dy] in DIRECTIONS {
+            let (x, y) = (point[0] + dx * reach, point[1] + dy * reach);
+            let left = match dx {
+                dx if dx > 0.0 => x,
+                dx if dx < 0.0 => x - width,
+                _ => x - width / 2.0,
+            };
+            let top = y - TEXT / 2.0 + dy * TEXT / 2.0;
+            let area = Area { left, top, right: left + width, bottom: top + TEXT };
+            let covered: f64 = taken.iter().map(|other| area.shared(other)).sum();
+            let outside = if frame.contains(&area) { 0.0 } else { 1e6 };
+            let placed = Placed { area, leads: ring > 0 };
+            if covered + outside == 0.0 {
+                return placed;
+            }
+            if best.is_none_or(|(least, _)| covered + outside < least) {
+                best = Some((covered + outside, placed));
+            }
+        }
+    }
+    best.expect("there are directions").1
+}
