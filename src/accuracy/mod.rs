@@ -3,4 +3,5 @@
 //! [`bench`] measures variants on readers against the reference and ranks them; [`plot`] draws
 //! what was found.
 
+pub mod bench;
 pub mod plot;

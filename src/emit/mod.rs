@@ -5,6 +5,7 @@
 //! [`between`] between them, then [`closing`], so that no more than one shader
 //! need be in memory; [`document`] is all of it for one.
 
+pub mod bench;
 pub mod c;
 pub mod compare;
 pub mod coverage;

@@ -62,7 +62,7 @@ impl Axis {
         }
         let (low, high) = range.unwrap_or((1.0, 1.0));
         let tight = Axis::log(label, low, high);
-        let room = (tight.high / tight.low).powf(0.07);
+        let room = (tight.high / tight.low).powf(0.12);
         Axis { low: tight.low / room, high: tight.high * room, ..tight }
     }
 
