@@ -6,6 +6,7 @@
 //! need be in memory; [`document`] is all of it for one.
 
 pub mod c;
+pub mod compare;
 pub mod coverage;
 mod csv;
 pub mod devices;
