@@ -7,7 +7,9 @@
 //! shader are lights.
 
 pub mod frame;
+pub mod reference;
 pub mod roles;
+pub mod sample;
 pub mod scene;
 pub mod upload;
 mod words;
