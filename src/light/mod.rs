@@ -6,6 +6,7 @@
 //! does it in `f64` from the same bits. Apart from scenes, [`roles`] says which structures of a
 //! shader are lights.
 
+pub mod bind;
 pub mod frame;
 pub mod reference;
 pub mod roles;

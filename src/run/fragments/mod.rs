@@ -21,6 +21,8 @@ pub use batch::{Batch, Image, Shaded};
 
 /// The texture that inputs are read from.
 const ATLAS: &str = "landfall_inputs";
+/// The pixel as an input, by GLSL's name of it.
+pub const PIXEL: &str = "gl_FragCoord";
 /// Its width and the rows of one input, where GLSL cannot ask a texture.
 const SIZE: &str = "landfall_size";
 
@@ -41,6 +43,9 @@ pub struct FragmentShader {
     inputs: Vec<Input>,
     atlas: (u32, u32),
     language: Language,
+    rows_from_bottom: bool,
+    /// Numbers of the blocks the entry point reads.
+    read: Vec<bool>,
 }
 
 /// An input of a fragment shader: a scalar or vector, or a part of a larger one.
@@ -48,8 +53,9 @@ pub struct FragmentShader {
 pub struct Input {
     /// Its name in the text: `FragPos`, `Surface.uv` of a block, `basis[1]` of a matrix.
     pub name: String,
-    /// Its location in the module.
-    pub location: u32,
+    /// Its location in the module; none of `gl_FragCoord`, which is given like any other
+    /// because the pixel of a list is not the one that is seen.
+    pub location: Option<u32>,
     /// 1 to 4.
     pub components: u8,
     /// What the components are.
@@ -111,6 +117,8 @@ impl FragmentShader {
             inputs: fetching.inputs,
             atlas: fetching.atlas,
             language: source.language,
+            rows_from_bottom: text::is_opengl(source, &options.read),
+            read: fetching.read,
         })
     }
 
@@ -124,6 +132,11 @@ impl FragmentShader {
         self.module.blocks()
     }
 
+    /// Whether the entry point reads a block, by its number: others may hold anything.
+    pub fn reads(&self, block: usize) -> bool {
+        self.read.get(block).copied().unwrap_or(false)
+    }
+
     /// Its textures, in the order they are given in.
     pub fn textures(&self) -> impl Iterator<Item = &ModuleHandle> {
         self.module.handles().iter().filter(|handle| handle.kind == HandleKind::Texture)
@@ -132,6 +145,11 @@ impl FragmentShader {
     /// Whether it may discard a fragment.
     pub fn discards(&self) -> bool {
         self.covered.is_some()
+    }
+
+    /// Whether it counts rows of pixels from the bottom, as OpenGL does.
+    pub fn rows_from_bottom(&self) -> bool {
+        self.rows_from_bottom
     }
 
     /// The language it is written in.

@@ -28,6 +28,8 @@ pub(super) struct Fetching {
     pub atlas: (u32, u32),
     /// Whether it takes differences between neighbouring pixels.
     pub differences: bool,
+    /// Which of the module's blocks it reads.
+    pub read: Vec<bool>,
 }
 
 /// What the new entry point returns.
@@ -57,8 +59,12 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
     let (kills, differences) = reaches(module, entry);
     let atlas = free_place(module);
     let made = |gives| rebuilt(module, entry, &inputs, atlas, gives);
+    let number = entries.iter().position(|other| std::ptr::eq(other, *entry)).unwrap_or(0);
+    let uses = module.info.get_entry_point(number);
+    let read = module.blocks().iter().map(|block| !uses[block.variable].is_empty()).collect();
     Ok(Fetching {
         module: made(Gives::Result)?,
+        read,
         covered: if kills { Some(made(Gives::White)?) } else { None },
         entry: entry.name.clone(),
         inputs,
@@ -71,11 +77,13 @@ fn refused(message: String) -> Vec<Diagnostic> {
     vec![Diagnostic::error("cannot-run", crate::Span::default(), message)]
 }
 
-/// Every input with a location, in the order of the arguments.
+/// Every input with a location, in the order of the arguments, and the pixel.
 fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnostic>> {
     let ir = &module.ir;
     let mut inputs = Vec::new();
+    let mut has_pixel = false;
     let mut add = |name: &Option<String>, binding: &Option<Binding>, ty: Handle<Type>| {
+        has_pixel |= matches!(binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
         let Some(Binding::Location { location, .. }) = binding else { return Ok(()) };
         let known = module.inputs().iter().find(|input| input.location == *location);
         let name = known.map_or_else(|| name.clone().unwrap_or_default(), |k| k.name.clone());
@@ -90,7 +98,7 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
             (ScalarKind::Uint, 4) => InputKind::Uint,
             _ => return Err(refused(format!("the input `{name}` is not of 32-bit numbers"))),
         };
-        inputs.push(Input { name, location: *location, components, kind });
+        inputs.push(Input { name, location: Some(*location), components, kind });
         Ok(())
     };
     for argument in &entry.function.arguments {
@@ -100,6 +108,10 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
             }
             _ => add(&argument.name, &argument.binding, argument.ty)?,
         }
+    }
+    if has_pixel {
+        let (name, kind) = (super::PIXEL.to_string(), InputKind::Float);
+        inputs.push(Input { name, location: None, components: 4, kind });
     }
     Ok(inputs)
 }
@@ -190,6 +202,7 @@ fn rebuilt(
     let position = new.builtin(&BuiltIn::Position { invariant: false }, types.position);
     for (argument, members) in old_arguments.iter().zip(&structs) {
         let mut note = |binding: &Option<Binding>, ty| {
+            // The pixel was taken above.
             if let Some(Binding::BuiltIn(builtin)) = binding {
                 new.builtin(builtin, ty);
             }
@@ -199,16 +212,20 @@ fn rebuilt(
             None => note(&argument.binding, argument.ty),
         }
     }
-    let mut texels = new.fetches(inputs, atlas, position, types.place).into_iter();
+    let texels = new.fetches(inputs, atlas, position, types.place);
+    let pixel = texels.last().copied().unwrap_or(position);
+    let mut texels = texels.into_iter();
     let mut arguments = Vec::new();
     for (argument, members) in old_arguments.iter().zip(&structs) {
         let value = match members {
             Some(members) => {
-                let components =
-                    members.iter().map(|m| new.value(&m.binding, m.ty, &mut texels)).collect();
+                let components = members
+                    .iter()
+                    .map(|m| new.value(&m.binding, m.ty, pixel, &mut texels))
+                    .collect();
                 new.add(Expression::Compose { ty: argument.ty, components })
             }
-            None => new.value(&argument.binding, argument.ty, &mut texels),
+            None => new.value(&argument.binding, argument.ty, pixel, &mut texels),
         };
         arguments.push(value);
     }
@@ -342,9 +359,11 @@ impl Fetcher {
         &mut self,
         binding: &Option<Binding>,
         ty: Handle<Type>,
+        pixel: Handle<Expression>,
         texels: &mut impl Iterator<Item = Handle<Expression>>,
     ) -> Handle<Expression> {
         match binding {
+            Some(Binding::BuiltIn(BuiltIn::Position { .. })) => pixel,
             Some(Binding::BuiltIn(builtin)) => self.builtin(builtin, ty),
             Some(Binding::Location { .. }) => texels.next().expect("each location is an input"),
             None => unreachable!("naga's validator wants a binding of each"),

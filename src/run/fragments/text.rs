@@ -8,14 +8,17 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use super::{ATLAS, Input, InputKind, SIZE};
+use super::{ATLAS, Input, InputKind, PIXEL, SIZE};
 use crate::parse::glsl::lexer::Kind;
 use crate::parse::glsl::raw::{self, RawToken};
 use crate::run::verify::{code, partner};
-use crate::source::{ReadOptions, Source};
+use crate::source::{Language, ReadOptions, Source, Target};
 
 /// The name of what was `main`.
 const MAIN: &str = "landfall_main";
+
+/// What stands for `gl_FragCoord` where that is an input.
+const COORDINATE: &str = "landfall_FragCoord";
 
 /// Words before a type that mean something of inputs alone.
 const INPUT_WORDS: [&str; 8] =
@@ -36,6 +39,12 @@ pub(super) fn wants_size(source: &Source, options: &ReadOptions) -> bool {
     !fetches(raw.version, raw.es)
 }
 
+/// Whether `gl_FragCoord` counts from the bottom.
+pub(super) fn is_opengl(source: &Source, options: &ReadOptions) -> bool {
+    let raw = || raw::read(source, options).target;
+    source.language == Language::Glsl && raw() != Some(Target::Vulkan)
+}
+
 /// `texelFetch` is of GLSL 1.30 and ES 3.00.
 fn fetches(version: u32, es: bool) -> bool {
     if es { version >= 300 } else { version >= 130 }
@@ -53,9 +62,15 @@ pub(super) fn text(
     let raw = raw::read(&flat, &ReadOptions::default());
     let mut rewriter = Rewriter { text: &flat.text, out: String::new(), ..Rewriter::default() };
     rewriter.roots = inputs.iter().map(|input| root(&input.name).to_string()).collect();
+    rewriter.pixel = inputs.iter().any(|input| input.name == PIXEL);
+    let highp = if raw.es { "highp " } else { "" };
     let tokens = &raw.tokens;
     let mut at = 0;
+    let mut declared = !rewriter.pixel;
     while at < tokens.len() {
+        if tokens[at].directive.is_none() && !std::mem::replace(&mut declared, true) {
+            let _ = writeln!(rewriter.out, "{highp}vec4 {COORDINATE};");
+        }
         if let Some(directive) = tokens[at].directive {
             let same = |t: &&RawToken| t.directive == Some(directive);
             let count = tokens[at..].iter().take_while(same).count();
@@ -72,7 +87,7 @@ pub(super) fn text(
     }
     let Rewriter { mut out, blocks, late, .. } = rewriter;
     let es = raw.es;
-    let (highp, int) = if es { ("highp ", "highp ") } else { ("", "") };
+    let int = highp;
     let _ = writeln!(out, "uniform {highp}sampler2D {ATLAS};");
     let fetches = fetches(raw.version, es);
     let count = inputs.len();
@@ -95,7 +110,10 @@ pub(super) fn text(
     }
     out.push_str("void main() {\n");
     for (number, input) in inputs.iter().enumerate() {
-        let name = renamed(&input.name, &blocks);
+        let name = match input.name.as_str() {
+            PIXEL => COORDINATE.to_string(),
+            name => renamed(name, &blocks),
+        };
         let number = if fetches { number.to_string() } else { format!("{number}.0") };
         let part = ["x", "xy", "xyz", "xyzw"][usize::from(input.components.clamp(1, 4)) - 1];
         let vector = |prefix: &str, scalar: &str| match input.components {
@@ -184,6 +202,8 @@ struct Rewriter<'t> {
     late: Vec<String>,
     /// Names of inputs.
     roots: Vec<String>,
+    /// Whether the pixel is one of them.
+    pixel: bool,
 }
 
 impl<'t> Rewriter<'t> {
@@ -208,6 +228,9 @@ impl<'t> Rewriter<'t> {
         let own = head.iter().any(|word| word.starts_with("gl_"));
         // `invariant normal;` of an input.
         let again = matches!(head[..], ["invariant" | "centroid", name, ";"] if self.roots.iter().any(|r| r == name));
+        if own && of_inputs && self.pixel && has(PIXEL) {
+            return;
+        }
         if function || !(of_inputs || again) || own {
             return self.other(tokens, &head, function);
         }
@@ -284,7 +307,11 @@ impl<'t> Rewriter<'t> {
             before = token.end;
             let word = self.word(token);
             let is_main = word == "main" && last == "void" && token.kind == Kind::Name;
-            self.out.push_str(if is_main { MAIN } else { word });
+            self.out.push_str(match word {
+                _ if is_main => MAIN,
+                PIXEL if self.pixel => COORDINATE,
+                word => word,
+            });
             last = word;
         }
         self.out.push('\n');
@@ -322,7 +349,7 @@ mod tests {
     use super::*;
 
     fn input(name: &str, components: u8) -> Input {
-        Input { name: name.to_string(), location: 0, components, kind: InputKind::Float }
+        Input { name: name.to_string(), location: Some(0), components, kind: InputKind::Float }
     }
 
     fn rewritten(text_in: &str, inputs: &[Input]) -> String {
