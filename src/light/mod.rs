@@ -15,6 +15,6 @@ pub mod scene;
 pub mod upload;
 mod words;
 
-pub use frame::{Fragment, Frame};
+pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};
 pub use scene::Scene;
 pub use upload::Upload;
