@@ -5,6 +5,7 @@
 //! [`between`] between them, then [`closing`], so that no more than one shader
 //! need be in memory; [`document`] is all of it for one.
 
+pub mod bind;
 pub mod c;
 pub mod compare;
 pub mod coverage;
@@ -21,6 +22,7 @@ mod listing;
 mod markdown;
 mod paint;
 mod place;
+pub mod render;
 pub mod run;
 pub mod rust;
 mod table;

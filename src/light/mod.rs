@@ -9,6 +9,7 @@
 pub mod bind;
 pub mod frame;
 pub mod reference;
+pub mod render;
 pub mod roles;
 pub mod sample;
 pub mod scene;

@@ -20,18 +20,7 @@ pub fn guess(shader: &FragmentShader, path: &str, text: &str) -> Result<BindingM
     let text = &Text::new(text);
     let blocks: Vec<BlockLayout> =
         shader.blocks().iter().map(|block| block.layout.clone()).collect();
-    let mut map = BindingMap::default();
-    for (number, block) in blocks.iter().enumerate() {
-        if !shader.reads(number) {
-            continue;
-        }
-        map.members.extend(block.leaves.iter().map(|leaf| Member {
-            block: number,
-            name: block.name.to_string(),
-            path: leaf.path.clone(),
-            source: Source::Unknown,
-        }));
-    }
+    let mut map = members(shader);
     lights(&blocks, text, &mut map);
     let leaf = |member: &Member| {
         let leaves = &blocks[member.block].leaves;
@@ -54,12 +43,31 @@ pub fn guess(shader: &FragmentShader, path: &str, text: &str) -> Result<BindingM
     };
     map.textures = textures.iter().map(texture).collect();
     map.inputs = shader.inputs().iter().map(input).collect();
-    let has_lights = Kind::ALL.into_iter().any(|kind| map.has(kind));
-    let ambient = |m: &Member| matches!(m.source.quantity(), Some(Quantity::Ambient(_)));
-    match has_lights || map.members.iter().any(ambient) {
+    match map.lights() {
         true => Ok(map),
         false => Err(BindError::NoLights { shader: path.to_string() }),
     }
+}
+
+/// Everything the shader may be given, and nothing known of it.
+pub fn members(shader: &FragmentShader) -> BindingMap {
+    let mut map = BindingMap::default();
+    for (number, block) in shader.blocks().iter().enumerate() {
+        if !shader.reads(number) {
+            continue;
+        }
+        let block = &block.layout;
+        map.members.extend(block.leaves.iter().map(|leaf| Member {
+            block: number,
+            name: block.name.to_string(),
+            path: leaf.path.clone(),
+            source: Source::Unknown,
+        }));
+    }
+    let unknown = |name: String| Bound { name, source: Source::Unknown };
+    map.textures = shader.textures().map(|handle| unknown(handle.path.clone())).collect();
+    map.inputs = shader.inputs().iter().map(|input| unknown(input.name.clone())).collect();
+    map
 }
 
 fn lights(blocks: &[BlockLayout], text: &Text<'_>, map: &mut BindingMap) {

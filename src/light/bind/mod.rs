@@ -13,7 +13,7 @@ mod read;
 use std::fmt;
 
 pub use fill::{Excess, Filler, Lit, Tiles};
-pub use guess::guess;
+pub use guess::{guess, members};
 pub use quantity::{Kind, LightPart, MaterialPart, Quantity, Slot};
 pub use read::overridden;
 
@@ -105,6 +105,12 @@ impl BindingMap {
         self.members.iter().any(|member| {
             matches!(member.source.quantity(), Some(Quantity::Light { kind: k, .. }) if k == kind)
         })
+    }
+
+    /// Whether any light is given somewhere, the one from everywhere counted.
+    pub fn lights(&self) -> bool {
+        let ambient = |m: &Member| matches!(m.source.quantity(), Some(Quantity::Ambient(_)));
+        Kind::ALL.into_iter().any(|kind| self.has(kind)) || self.members.iter().any(ambient)
     }
 
     /// What nothing is known of: paths of members with their blocks, textures and inputs.
