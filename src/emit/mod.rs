@@ -6,6 +6,7 @@
 //! need be in memory; [`document`] is all of it for one.
 
 pub mod bench;
+pub mod bind;
 pub mod c;
 pub mod compare;
 pub mod coverage;
@@ -22,6 +23,7 @@ mod listing;
 mod markdown;
 mod paint;
 mod place;
+pub mod render;
 pub mod run;
 pub mod rust;
 mod table;
