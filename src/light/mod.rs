@@ -5,8 +5,10 @@
 //! shader gets them, in `f32`. A shader lights the fragments on some reader; the `reference`
 //! does it in `f64` from the same bits.
 
+pub mod compiled;
 pub mod frame;
 pub mod scene;
+pub mod skip;
 pub mod upload;
 
 pub use frame::{Fragment, Frame};
