@@ -7,6 +7,8 @@
 
 pub mod compiled;
 pub mod frame;
+pub mod reference;
+pub mod sample;
 pub mod scene;
 pub mod skip;
 pub mod upload;

@@ -1,0 +1,95 @@
+//! Why a fragment's light is undefined: a tag where others would carry a NaN.
+//!
+//! [`light`](super::light) gives it; comparisons skip such fragments and count them by hazard.
+
+use std::fmt;
+
+/// Why there is no number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Undef {
+    /// The light is at the fragment.
+    LightAtFragment,
+    /// It is, and its attenuation has nothing but powers of the distance.
+    LightAtFragmentUnattenuated,
+    /// The camera is at the fragment, or nearer than 1e-15.
+    CameraAtFragment,
+    /// What the attenuation divides by is zero, negative or not finite.
+    Attenuation,
+    /// The light or the camera is farther than 1e18: squares overflow in `f32`.
+    TooFar,
+    /// The light is nearer than 1e-15, but not at the fragment: squares underflow in `f32`.
+    TooNear,
+    /// Both angles of a soft cone are one, and the fragment is at its edge.
+    EqualCones,
+    /// A cone of one angle, which is zero.
+    ZeroCone,
+    /// Zero to the power of zero.
+    ZeroToZero,
+    /// Zero to a negative power.
+    ZeroToNegative,
+    /// The view is opposite to the light, so that there is no half vector.
+    NoHalfVector,
+    /// A normal or a direction is zero.
+    ZeroVector,
+    /// A number that was uploaded, or the sum, is not finite.
+    NotFinite,
+}
+
+impl Undef {
+    /// Every tag.
+    pub const ALL: [Undef; 13] = [
+        Undef::LightAtFragment,
+        Undef::LightAtFragmentUnattenuated,
+        Undef::CameraAtFragment,
+        Undef::Attenuation,
+        Undef::TooFar,
+        Undef::TooNear,
+        Undef::EqualCones,
+        Undef::ZeroCone,
+        Undef::ZeroToZero,
+        Undef::ZeroToNegative,
+        Undef::NoHalfVector,
+        Undef::ZeroVector,
+        Undef::NotFinite,
+    ];
+
+    /// The hazard's id, such as `H1`.
+    pub fn hazard(self) -> &'static str {
+        match self {
+            Undef::LightAtFragment | Undef::NoHalfVector => "H1",
+            Undef::LightAtFragmentUnattenuated => "H1b",
+            Undef::CameraAtFragment => "H2",
+            Undef::Attenuation => "H3",
+            Undef::TooFar => "H4",
+            Undef::TooNear => "H5",
+            Undef::EqualCones => "H6",
+            Undef::ZeroCone => "H8",
+            Undef::ZeroToZero => "H9",
+            Undef::ZeroToNegative => "H10",
+            Undef::ZeroVector | Undef::NotFinite => "H24",
+        }
+    }
+}
+
+impl fmt::Display for Undef {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self {
+            Undef::LightAtFragment => "the light is at the fragment",
+            Undef::LightAtFragmentUnattenuated => {
+                "the light is at the fragment and its attenuation divides by zero there"
+            }
+            Undef::CameraAtFragment => "the camera is at the fragment",
+            Undef::Attenuation => "the attenuation divides by zero, less, or no number",
+            Undef::TooFar => "the distance is above 1e18",
+            Undef::TooNear => "the distance is below 1e-15",
+            Undef::EqualCones => "the fragment is at the edge of a cone whose angles are equal",
+            Undef::ZeroCone => "the cone's only angle is zero",
+            Undef::ZeroToZero => "the highlight is zero to the power of zero",
+            Undef::ZeroToNegative => "the highlight is zero to a negative power",
+            Undef::NoHalfVector => "the view is opposite to the light",
+            Undef::ZeroVector => "a normal or direction is zero",
+            Undef::NotFinite => "an uploaded number, or the sum, is not finite",
+        };
+        write!(f, "{}: {what}", self.hazard())
+    }
+}
