@@ -90,7 +90,7 @@ struct Run<'a, T> {
 impl<T: Tally> Run<'_, T> {
     fn grid(&mut self, grid: &Grid, upload: &Upload) -> Vec<Vec3> {
         self.all.select(&grid.lights, &mut self.some);
-        grid.nodes.iter().map(|node| self.shade(&surface(node, upload, 0.0))).collect()
+        grid.nodes.iter().map(|node| self.shade(&surface(node, upload, self.model))).collect()
     }
 
     fn shade(&mut self, surface: &Surface) -> Vec3 {

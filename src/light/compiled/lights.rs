@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Model;
+use super::{ConeTerm, Model};
 use crate::light::scene::{Attenuation, PointLight, SpotLight};
 use crate::light::skip::LightSet;
 use crate::light::{Upload, scene};
@@ -85,7 +85,8 @@ impl Lights {
     /// All lights of an upload.
     pub fn new(upload: &Upload, model: &Model) -> Lights {
         let Upload { lights, .. } = upload;
-        let ambient = lights.ambient.map_or(DVec3::ZERO, |a| a.color * a.intensity);
+        let ambient = lights.ambient.filter(|_| model.counts_ambient());
+        let ambient = ambient.map_or(DVec3::ZERO, |a| a.color * a.intensity);
         Lights {
             ambient: ambient.as_vec3(),
             directional: lights.directional.iter().map(|l| directional(l, model)).collect(),
@@ -152,15 +153,24 @@ fn point(light: &PointLight, model: &Model) -> Point {
 
 fn spot(light: &SpotLight, model: &Model) -> Spot {
     let [inner, outer] = chords(light);
+    let [inner_cos, outer_cos] = [light.cone.inner_cos, light.cone.outer_cos];
+    let ([inner, outer], [inner_cos, outer_cos]) = match model.cone {
+        ConeTerm::Ramp => ([inner, outer], [inner_cos, outer_cos]),
+        ConeTerm::ToAxis => ([0.0, outer], [1.0, outer_cos]),
+        ConeTerm::Hard => ([inner, inner], [inner_cos, inner_cos]),
+    };
+    // Equal angles have a ramp as steep as `f32` can hold without becoming infinite; a ramp the
+    // wrong way round stays so.
+    let width = outer - inner;
+    let width = if width == 0.0 { f64::from(f32::MIN_POSITIVE) } else { width };
     Spot {
         lamp: point(&light.lamp, model),
         direction: light.direction.as_vec3(),
-        inner_cos: light.cone.inner_cos as f32,
-        outer_cos: light.cone.outer_cos as f32,
+        inner_cos: inner_cos as f32,
+        outer_cos: outer_cos as f32,
         axis: (-light.direction).normalize_or_zero().as_vec3(),
         outer_chord: outer as f32,
-        // A hard cone's ramp is as steep as `f32` can hold without becoming infinite.
-        ramp: (1.0 / (outer - inner).max(f64::from(f32::MIN_POSITIVE))) as f32,
+        ramp: (1.0 / width) as f32,
     }
 }
 

@@ -16,7 +16,7 @@ mod work;
 
 pub use execute::{Form, Shaded, execute, shade_all};
 pub use lights::{Directional, Emission, Lights, Point, Spot};
-pub use model::{AmbientTerm, Model, SpecularTerm, Terms};
+pub use model::{AmbientTerm, ConeTerm, Model, ReflectanceTerm, SpecularTerm, Terms};
 pub use robust::Gates;
-pub use surface::{Power, Surface, sample, surface, surfaces};
+pub use surface::{Power, Surface, surface, surfaces};
 pub use work::{Tally, Work};

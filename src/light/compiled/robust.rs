@@ -49,7 +49,7 @@ pub fn shade<T: Tally>(
     let view = unit(eye - surface.position);
     let reflected = 2.0 * normal.dot(view) * normal - view;
     let at = At { surface, normal, reflected, gates, facing: model.specular };
-    let mut sums = Sums { body: lights.ambient, shine: Vec3::ZERO };
+    let mut sums = Sums { body: Vec3::ZERO, shine: Vec3::ZERO };
     for light in &lights.directional {
         tally.trip();
         directional(&at, light, &mut sums, tally);
@@ -62,7 +62,7 @@ pub fn shade<T: Tally>(
         tally.trip();
         spot(&at, light, &mut sums, tally);
     }
-    sums.body * surface.diffuse + sums.shine * surface.specular
+    lights.ambient * surface.ambient + sums.body * surface.diffuse + sums.shine * surface.specular
 }
 
 struct At<'a> {

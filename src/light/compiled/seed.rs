@@ -17,7 +17,7 @@ pub fn shade<T: Tally>(
     let normal = normalize(surface.normal);
     let view = normalize(eye - surface.position);
     let at = At { surface, normal, view, model };
-    let mut sum = lights.ambient * surface.diffuse;
+    let mut sum = lights.ambient * surface.ambient;
     for light in &lights.directional {
         tally.trip();
         sum += directional(&at, light, tally);

@@ -1,8 +1,10 @@
 //! A fragment with what its material says there: read by both forms.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use crate::light::scene::{self, Material};
+use super::{AmbientTerm, Model, Terms};
+use crate::light::sample::{Texels, texels};
+use crate::light::scene::Material;
 use crate::light::{Fragment, Frame, Upload};
 
 /// What is lit.
@@ -12,7 +14,9 @@ pub struct Surface {
     pub position: Vec3,
     /// Its normal, of any length.
     pub normal: Vec3,
-    /// What it reflects of ambient and diffuse light.
+    /// What it reflects of the scene's one ambient light.
+    pub ambient: Vec3,
+    /// What it reflects of each light's ambient and diffuse terms.
     pub diffuse: Vec3,
     /// What it reflects in highlights.
     pub specular: Vec3,
@@ -52,60 +56,47 @@ impl Power {
 
 /// The fragments of a frame with their materials, for a gate that lets pass powers of at least
 /// `least`; 0 for no gate.
-pub fn surfaces(frame: &Frame, upload: &Upload, least: f64) -> Vec<Surface> {
-    let gates: Vec<f32> =
-        upload.materials.iter().map(|material| gate(material.shininess, least)).collect();
+pub fn surfaces(frame: &Frame, upload: &Upload, model: &Model, least: f64) -> Vec<Surface> {
+    let shininess = |m: &Material| model.shininess.map_or(m.shininess, f64::from);
+    let gates: Vec<f32> = upload.materials.iter().map(|m| gate(shininess(m), least)).collect();
     let at = |fragment: &Fragment| {
         let gate = gates.get(fragment.material as usize).copied().unwrap_or(0.0);
-        Surface { gate, ..surface(fragment, upload, 0.0) }
+        Surface { gate, ..surface(fragment, upload, model) }
     };
     frame.fragments.iter().map(at).collect()
 }
 
-/// One fragment with its material; black where there is no such material.
-pub fn surface(fragment: &Fragment, upload: &Upload, least: f64) -> Surface {
-    let material = upload.materials.get(fragment.material as usize);
-    let color = |of: fn(&Material) -> &scene::Surface| {
-        material.map_or(DVec3::ZERO, |m| sample(of(m), fragment.uv)).as_vec3()
-    };
-    let shininess = material.map_or(1.0, |m| m.shininess);
-    Surface {
+/// One fragment with its material, without gate; black where there is no such material.
+pub fn surface(fragment: &Fragment, upload: &Upload, model: &Model) -> Surface {
+    let black = Surface {
         position: Vec3::from(fragment.position),
         normal: Vec3::from(fragment.normal),
-        diffuse: color(|m| &m.diffuse),
-        specular: color(|m| &m.specular),
-        shininess: shininess as f32,
-        power: Power::of(shininess as f32),
-        gate: gate(shininess, least),
-    }
-}
-
-/// The colour of a surface there: the nearest texel, repeating.
-pub fn sample(surface: &scene::Surface, uv: [f32; 2]) -> DVec3 {
-    match surface {
-        scene::Surface::Constant(color) => *color,
-        scene::Surface::Texture(texture) => {
-            let place = |at: f32, size: u32| {
-                let cell = (f64::from(at).rem_euclid(1.0) * f64::from(size)).floor();
-                (cell as usize).min((size as usize).saturating_sub(1))
-            };
-            let [x, y] = [place(uv[0], texture.width), place(uv[1], texture.height)];
-            let texel = texture.texels.get(y * texture.width as usize + x);
-            let [r, g, b] = texel.copied().unwrap_or_default().map(|byte| {
-                let code = f64::from(byte) / 255.0;
-                if texture.srgb { linear(code) } else { code }
-            });
-            DVec3::new(r, g, b)
-        }
+        ambient: Vec3::ZERO,
+        diffuse: Vec3::ZERO,
+        specular: Vec3::ZERO,
+        shininess: 1.0,
+        power: Power::Squarings(0),
+        gate: 0.0,
+    };
+    let Some(material) = upload.materials.get(fragment.material as usize) else { return black };
+    let Texels { ambient, diffuse, specular } = texels(material, fragment.uv);
+    let shininess = model.shininess.map_or(material.shininess as f32, f32::from);
+    let specular = match model.terms {
+        Terms::Three | Terms::Single => specular,
+        Terms::PlainSpecular => specular.x * diffuse,
+    };
+    let own = model.ambient == AmbientTerm::OnceOfItsOwn;
+    Surface {
+        ambient: if own { ambient } else { diffuse }.as_vec3(),
+        diffuse: diffuse.as_vec3(),
+        specular: (specular * model.reflected(material.reflectance)).as_vec3(),
+        shininess,
+        power: Power::of(shininess),
+        ..black
     }
 }
 
 /// The base below which `base^n` is less than `least`.
 fn gate(shininess: f64, least: f64) -> f32 {
     if least > 0.0 && shininess > 0.0 { least.powf(1.0 / shininess) as f32 } else { 0.0 }
-}
-
-/// IEC 61966-2-1.
-fn linear(code: f64) -> f64 {
-    if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }

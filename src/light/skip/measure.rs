@@ -43,7 +43,7 @@ pub(super) fn measure(
     model: &Model,
 ) -> Measured {
     let stride = whole.evaluations().div_ceil(MOST).max(1) as usize;
-    let surfaces = surfaces(frame, upload, 0.0);
+    let surfaces = surfaces(frame, upload, model, 0.0);
     let form = Form::Robust(Gates::ALL);
     let lit = |plan: &Plan| -> Vec<Vec3> {
         let thin = thin(plan, stride);
@@ -76,9 +76,9 @@ pub(super) fn gates(
     let lit = |surfaces: &[Surface], gates: Gates| -> Shaded<Work> {
         execute(&plan, upload, surfaces, model, Form::Robust(gates))
     };
-    let open = lit(&surfaces(frame, upload, 0.0), Gates::NONE);
-    let exact = surfaces(frame, upload, 0.0);
-    let shut = lit(&surfaces(frame, upload, steps * STEP), Gates::ALL);
+    let open = lit(&surfaces(frame, upload, model, 0.0), Gates::NONE);
+    let exact = surfaces(frame, upload, model, 0.0);
+    let shut = lit(&surfaces(frame, upload, model, steps * STEP), Gates::ALL);
     let fragments = frame.fragments.len().div_ceil(stride).max(1) as f64;
     let per = |n: u64| n as f64 / fragments;
     let (a, b) = (open.tally, shut.tally);
@@ -108,6 +108,6 @@ pub(super) fn gates(
 
 /// All lights at all fragments, for callers that compare with it.
 pub fn brute(upload: &Upload, frame: &Frame, model: &Model, form: Form) -> Shaded<Work> {
-    let surfaces = surfaces(frame, upload, 0.0);
+    let surfaces = surfaces(frame, upload, model, 0.0);
     shade_all(&surfaces, upload.camera.as_vec3(), &Lights::new(upload, model), model, form)
 }

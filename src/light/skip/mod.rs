@@ -48,7 +48,7 @@ pub fn plan(upload: &Upload, frame: &Frame, model: &Model, options: &Options) ->
     let all = bound::bounded(upload, model);
     let (lights, mut savings) = used::used(upload, frame, model, &all, options);
     let order: Vec<u32> = (0..lights.len() as u32).collect();
-    let ambient = used::ambient(upload, options);
+    let ambient = used::ambient(upload, model, options);
     let whole = Plan::whole(frame.fragments.len(), set(&lights, &order, ambient));
     let job = Job { upload, frame, model, options, lights: &lights, ambient };
     let mut plan = match (options.interpolate, options.division) {
@@ -92,7 +92,7 @@ impl Job<'_> {
             savings.steps.push(unused(option, costs.sort * fragments as f64, plain, 0));
             return None;
         }
-        let points = Points::new(frame, upload);
+        let points = Points::new(frame, upload, model);
         let Some(draw) = whole.draws.first() else { return None };
         let divided = region::divide(frame, &points, upload.camera, &draw.fragments, division);
         let Lists { of, tests, dropped } = cull::lists(&divided, lights, model, options.cull);

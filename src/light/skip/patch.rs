@@ -20,7 +20,7 @@ use crate::light::scene::Surface;
 
 /// The plan with grids, the lights held against patches, and the fragments sorted into them.
 pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> (Plan, u64, u64) {
-    let points = Points::new(job.frame, job.upload);
+    let points = Points::new(job.frame, job.upload, job.model);
     let mut patches = Patches {
         job,
         points: &points,

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::options::Division;
+use crate::light::compiled::{Model, Terms};
 use crate::light::scene::{Material, Surface};
 use crate::light::{Frame, Upload};
 
@@ -74,13 +75,13 @@ pub(super) struct Points {
 }
 
 impl Points {
-    pub fn new(frame: &Frame, upload: &Upload) -> Points {
+    pub fn new(frame: &Frame, upload: &Upload, model: &Model) -> Points {
         let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
         Points {
             position: frame.fragments.iter().map(|f| wide(f.position)).collect(),
             normal: frame.fragments.iter().map(|f| wide(f.normal).normalize_or_zero()).collect(),
             material: frame.fragments.iter().map(|f| f.material).collect(),
-            most: upload.materials.iter().map(reflects).collect(),
+            most: upload.materials.iter().map(|m| reflects(m, model)).collect(),
         }
     }
 
@@ -114,11 +115,15 @@ impl Points {
 }
 
 /// The most a material reflects: ambient and diffuse, then specular.
-fn reflects(material: &Material) -> [DVec3; 2] {
+fn reflects(material: &Material, model: &Model) -> [DVec3; 2] {
     let body = most(&material.ambient).max(most(&material.diffuse));
-    // Some models multiply highlights with the diffuse colour too.
-    let mut shine = most(&material.specular) * body.max(DVec3::ONE);
-    if !(material.shininess >= 0.0) {
+    let specular = most(&material.specular) * model.reflected(material.reflectance);
+    let mut shine = match model.terms {
+        Terms::Three | Terms::Single => specular,
+        // Takes one channel of the texel, and the diffuse colour.
+        Terms::PlainSpecular => specular.max_element() * body,
+    };
+    if !(shine.cmpge(DVec3::ZERO).all() && material.shininess >= 0.0) {
         shine = DVec3::INFINITY;
     }
     [body, shine]

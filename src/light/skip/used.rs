@@ -71,9 +71,10 @@ pub(super) fn used(
 }
 
 /// Whether the light from everywhere is there, or may be left out.
-pub(super) fn ambient(upload: &Upload, options: &Options) -> bool {
+pub(super) fn ambient(upload: &Upload, model: &Model, options: &Options) -> bool {
     let dark = |a: &crate::light::scene::Ambient| a.color * a.intensity == DVec3::ZERO;
-    upload.lights.ambient.is_some_and(|ambient| !(options.used && dark(&ambient)))
+    model.counts_ambient()
+        && upload.lights.ambient.is_some_and(|ambient| !(options.used && dark(&ambient)))
 }
 
 /// What a shader needs to hold for the lights that some draw uses.
