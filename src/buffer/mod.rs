@@ -36,7 +36,7 @@ mod grid;
 mod handle;
 mod index;
 mod json;
-mod locate;
+pub(crate) mod locate;
 mod number;
 mod padding;
 mod pod;

@@ -13,6 +13,6 @@ pub mod scene;
 pub mod skip;
 pub mod upload;
 
-pub use frame::{Fragment, Frame};
+pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};
 pub use scene::Scene;
 pub use upload::Upload;

@@ -1,11 +1,12 @@
 //! JSON with the place of every value, so that what is wrong in a lock can be pointed at.
 //!
-//! Feeds [`super::read`]. Unlike a library's, this reader tells a text that ends too early from
-//! one that is no JSON, and keeps where each value stands.
+//! Feeds [`super::read`] and the reader of [scenes](crate::light::scene). Unlike a library's,
+//! this reader tells a text that ends too early from one that is no JSON, and keeps where each
+//! value stands.
 
 /// A value and the bytes it takes.
 #[derive(Debug)]
-pub(super) struct Node {
+pub(crate) struct Node {
     pub start: usize,
     pub end: usize,
     pub value: Value,
@@ -13,7 +14,7 @@ pub(super) struct Node {
 
 /// What stands there.
 #[derive(Debug)]
-pub(super) enum Value {
+pub(crate) enum Value {
     Null,
     Bool(bool),
     /// As it is written.
@@ -26,7 +27,7 @@ pub(super) enum Value {
 
 /// Why a text is no JSON.
 #[derive(Debug)]
-pub(super) enum Fault {
+pub(crate) enum Fault {
     /// It ends before it is complete.
     Truncated,
     /// It has something else where that should be.
@@ -55,7 +56,7 @@ impl Value {
 }
 
 /// Reads a whole text.
-pub(super) fn parse(text: &str) -> Result<Node, Fault> {
+pub(crate) fn parse(text: &str) -> Result<Node, Fault> {
     let mut reader = Reader { text, at: 0 };
     let node = reader.value(0)?;
     reader.blanks();

@@ -6,7 +6,7 @@
 
 mod check;
 mod drift;
-mod json;
+pub(crate) mod json;
 mod read;
 mod spelling;
 mod write;

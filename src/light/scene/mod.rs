@@ -4,7 +4,18 @@
 //! what is uploaded. Lengths are in the scene's own unit, colours linear with 1 full scale,
 //! directions those in which light travels.
 
+mod generate;
+mod mesh;
+mod obj;
+mod read;
+
 use glam::DVec3;
+use serde_json::{Map, Value};
+
+pub use generate::{Generate, RandomCubes, RandomLights, generate};
+pub use mesh::{cube, plane, sphere};
+pub use obj::{ObjFault, ObjMesh, read_obj};
+pub use read::{MOST_PIXELS, Open, Reading, read, read_file};
 
 /// A camera, lights, materials and objects.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +36,13 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// The space lighting is computed in.
     pub space: Space,
+    /// The shader to light it, as the scene says: a path from the scene's folder, or an object
+    /// that the renderer reads.
+    pub shader: Option<Value>,
+    /// The lighting model the reference is to compute, as the scene says.
+    pub model: Option<Value>,
+    /// Which number of the scene goes to which member of the shader, as the scene says.
+    pub bind: Option<Map<String, Value>>,
 }
 
 /// The space in which a shader is given positions and directions.
@@ -67,6 +85,57 @@ pub struct Lights {
     pub point: Vec<PointLight>,
     /// Lamps with a cone.
     pub spot: Vec<SpotLight>,
+}
+
+impl Camera {
+    /// The turn from the scene's axes to the camera's: x right, y up, -z where it looks.
+    pub fn turn(&self) -> glam::DMat3 {
+        let front = self.front.normalize();
+        let right = front.cross(self.up).normalize();
+        glam::DMat3::from_cols(right, right.cross(front), -front).transpose()
+    }
+}
+
+/// Where the axes of a lighting space are in the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// Its origin.
+    pub origin: DVec3,
+    /// The turn from the scene's axes to its own.
+    pub turn: glam::DMat3,
+}
+
+impl Space {
+    /// Its axes, for what that camera sees.
+    pub fn axes(self, camera: &Camera) -> Axes {
+        match self {
+            Space::World => Axes { origin: DVec3::ZERO, turn: glam::DMat3::IDENTITY },
+            Space::View => Axes { origin: camera.position, turn: camera.turn() },
+            Space::CameraRelative => Axes { origin: camera.position, turn: glam::DMat3::IDENTITY },
+        }
+    }
+}
+
+impl Axes {
+    /// Where a point of the scene is in this space. The origin is taken away first, so that
+    /// nothing is lost far from it.
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        self.turn * (point - self.origin)
+    }
+
+    /// A direction of the scene in this space, as long as it was.
+    pub fn direction(&self, direction: DVec3) -> DVec3 {
+        self.turn * direction
+    }
+
+    /// A transform into the scene, into this space instead.
+    pub fn transform(&self, transform: &glam::DMat4) -> glam::DMat4 {
+        let linear = self.turn * glam::DMat3::from_mat4(*transform);
+        let place = self.point(transform.w_axis.truncate());
+        let mut into = glam::DMat4::from_mat3(linear);
+        into.w_axis = place.extend(1.0);
+        into
+    }
 }
 
 /// Light from everywhere, counted once.

@@ -1,0 +1,91 @@
+//! Meshes by formula: cube, plane, sphere, each one unit wide about its origin.
+
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3, dvec2, dvec3};
+
+use super::{Mesh, Vertex};
+
+/// A cube of edge 1 about the origin, four corners a face, the whole texture on every face.
+pub fn cube() -> Mesh {
+    let mut mesh = Mesh::default();
+    for axis in 0..3 {
+        for side in [-0.5, 0.5] {
+            let mut normal = DVec3::ZERO;
+            normal[axis] = 2.0 * side;
+            let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+            // Round the face counter-clockwise as seen from outside.
+            let around = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+            let first = mesh.vertices.len() as u32;
+            for (along_a, along_b) in around {
+                let mut position = DVec3::ZERO;
+                position[axis] = side;
+                position[a] = along_a;
+                position[b] = if side > 0.0 { along_b } else { -along_b };
+                let uv = cube_uv(axis, position);
+                mesh.vertices.push(Vertex { position, normal, uv });
+            }
+            mesh.triangles.push([first, first + 1, first + 2]);
+            mesh.triangles.push([first + 2, first + 3, first]);
+        }
+    }
+    mesh
+}
+
+/// As the cube that tutorials share: upright on the sides along z, y along u on those along x.
+fn cube_uv(axis: usize, at: DVec3) -> DVec2 {
+    match axis {
+        0 => dvec2(at.y + 0.5, 0.5 - at.z),
+        1 => dvec2(at.x + 0.5, 0.5 - at.z),
+        _ => dvec2(at.x + 0.5, at.y + 0.5),
+    }
+}
+
+/// A square of edge 1 about the origin, across y and facing up, the texture so many times over
+/// along each edge.
+pub fn plane(repeat: f64) -> Mesh {
+    let corners = [(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)];
+    let vertices = corners.map(|(x, z)| Vertex {
+        position: dvec3(x, 0.0, z),
+        normal: DVec3::Y,
+        uv: dvec2(x + 0.5, 0.5 - z) * repeat,
+    });
+    Mesh { vertices: vertices.to_vec(), triangles: vec![[0, 1, 2], [2, 3, 0]] }
+}
+
+/// A ball of diameter 1 about the origin, cut into segments around y and rings from pole to
+/// pole; normals are those of the ball. Fewer than 3 segments count as 3, than 2 rings as 2.
+pub fn sphere(segments: u32, rings: u32) -> Mesh {
+    let (segments, rings) = (segments.max(3), rings.max(2));
+    let mut mesh = Mesh::default();
+    for ring in 0..=rings {
+        let down = f64::from(ring) / f64::from(rings);
+        let (radius, height) = match ring {
+            0 => (0.0, 1.0),
+            _ if ring == rings => (0.0, -1.0),
+            _ => (PI * down).sin_cos(),
+        };
+        for segment in 0..=segments {
+            let around = f64::from(segment) / f64::from(segments);
+            // The seam's two columns of corners are one in space.
+            let angle = 2.0 * PI * f64::from(segment % segments) / f64::from(segments);
+            let (sin, cos) = angle.sin_cos();
+            let normal = dvec3(radius * sin, height, radius * cos);
+            let uv = dvec2(around, 1.0 - down);
+            mesh.vertices.push(Vertex { position: normal * 0.5, normal, uv });
+        }
+    }
+    let at = |ring: u32, segment: u32| ring * (segments + 1) + segment;
+    for ring in 0..rings {
+        for segment in 0..segments {
+            let (upper, lower) = (at(ring, segment), at(ring + 1, segment));
+            if ring > 0 {
+                mesh.triangles.push([upper, lower, upper + 1]);
+            }
+            if ring + 1 < rings {
+                mesh.triangles.push([upper + 1, lower, lower + 1]);
+            }
+        }
+    }
+    mesh
+}
