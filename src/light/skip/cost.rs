@@ -17,6 +17,8 @@ pub struct Costs {
     pub light: f64,
     /// A fragment's interpolated light.
     pub interpolation: f64,
+    /// What a call that uploads bytes costs, in bytes that could be moved instead.
+    pub call: usize,
 }
 
 impl Costs {
@@ -28,6 +30,7 @@ impl Costs {
         draw: 100.0,
         light: 8.0,
         interpolation: 25.0,
+        call: 256,
     };
 
     /// Modelled nanoseconds of lighting a frame by a plan, with what making it took.

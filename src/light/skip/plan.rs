@@ -160,6 +160,8 @@ pub enum Claim {
     },
     /// That much on this frame; on another it may be more.
     Measured(Measured),
+    /// Nothing bounds it and it was not measured.
+    Unmeasured,
     /// Nothing, since it was not applied.
     Unused,
 }
