@@ -7,12 +7,14 @@
 //! shader are lights.
 
 pub mod bind;
+pub mod compiled;
 pub mod frame;
 pub mod reference;
 pub mod render;
 pub mod roles;
 pub mod sample;
 pub mod scene;
+pub mod skip;
 pub mod upload;
 mod words;
 
