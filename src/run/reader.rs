@@ -223,6 +223,12 @@ pub trait Reader {
     /// Why there is no answer; the reader can be asked again unless it died.
     fn run(&mut self, job: &Job) -> Result<Answer, Failure>;
 
+    /// How long the device worked at the last job, by timestamps of its own; `None` where it
+    /// has none or is no device of its own.
+    fn device_time(&self) -> Option<Duration> {
+        None
+    }
+
     /// What its compiler says of texts as they are, within that time; `None` where it has none.
     fn reflect(
         &mut self,

@@ -27,18 +27,24 @@ pub struct Errors {
 impl Errors {
     /// Of colours against the reference's, which are `None` where undefined.
     pub fn of(colors: &[[f32; 3]], truth: &[Option<[f64; 3]>]) -> Errors {
+        let truth = truth.iter().map(|truth| truth.as_ref().map(|truth| &truth[..]));
+        Errors::each(colors.iter().map(|color| &color[..]).zip(truth))
+    }
+
+    /// The same of any numbers; a truth is as long as what it is the truth of.
+    pub fn each<'a>(all: impl Iterator<Item = (&'a [f32], Option<&'a [f64]>)>) -> Errors {
         let mut errors = Errors::default();
-        let mut steps = Vec::with_capacity(3 * colors.len());
-        for (color, truth) in colors.iter().zip(truth) {
+        let mut steps = Vec::new();
+        for (ours, truth) in all {
             let Some(truth) = truth else {
                 errors.undefined += 1;
                 continue;
             };
-            if color.iter().any(|channel| !channel.is_finite()) {
+            if ours.iter().any(|channel| !channel.is_finite()) {
                 errors.non_finite += 1;
                 continue;
             }
-            for (ours, exact) in color.iter().zip(truth) {
+            for (ours, exact) in ours.iter().zip(truth) {
                 steps.push(255.0 * (f64::from(*ours) - exact).abs());
                 let codes = [code(*ours, Transfer::Srgb), code(*exact as f32, Transfer::Srgb)];
                 let apart = codes[0].abs_diff(codes[1]);

@@ -7,11 +7,15 @@
 //! [`plot`](super::plot).
 
 pub mod clock;
+pub mod compiled;
 mod errors;
+pub mod function;
 pub mod machine;
 pub mod rank;
 mod report;
 mod rounds;
+pub mod scene;
+pub mod shader;
 mod spread;
 
 pub use errors::Errors;

@@ -1,5 +1,6 @@
 //! What may be written on the command line. Nothing here acts.
 
+mod bench;
 mod check;
 mod codec;
 mod levels;
@@ -15,6 +16,7 @@ use landfall::emit::rust::Vectors;
 use landfall::lint::settings::Target as Limits;
 use landfall::{Language, Rules, Stage, Target, emit};
 
+pub use bench::{BenchArgs, BenchFormat};
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
@@ -56,6 +58,8 @@ pub enum Command {
     Run(RunArgs),
     /// Light a scene in JSON by a shader and make a picture of it
     Render(Box<RenderArgs>),
+    /// Measure variants of lighting, or of a function: time against error
+    Bench(Box<BenchArgs>),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
     /// Write the lock of every shader: its layout, to be committed and compared with
@@ -291,6 +295,8 @@ pub enum Schema {
     Run,
     /// render --format json
     Render,
+    /// bench --format json
+    Bench,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

@@ -4,6 +4,7 @@
 //! written, an error in a shader. Products go to stdout, findings to stderr.
 
 mod args;
+mod bench;
 mod check;
 mod config;
 mod data;
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         Command::Verify(args) => verify::run(args, &streams),
         Command::Run(args) => run::run(args, &streams),
         Command::Render(args) => render::run(args, &streams),
+        Command::Bench(args) => bench::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

@@ -1,6 +1,6 @@
 //! `landfall render`: a scene lit by a shader on a reader, and how far it is from the truth.
 
-mod asked;
+pub mod asked;
 mod compare;
 
 use std::path::Path;
@@ -23,14 +23,14 @@ use landfall::{Diagnostic, Error, emit};
 use crate::args::{ReaderName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::readers;
-use asked::Asked;
+use asked::{Asked, Wanted};
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
         RenderFormat::Human => FindingForm::Human,
         RenderFormat::Json => FindingForm::Json,
     });
-    let asked = match asked::asked(args, streams, &style)? {
+    let asked = match asked::asked(&Wanted::from(args), streams, &style)? {
         Some(asked) => asked,
         None => return Ok(Outcome::CouldNot),
     };

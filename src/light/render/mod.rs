@@ -19,7 +19,7 @@ use super::bind::{
 };
 use super::{Fragment, Frame, Upload};
 use crate::picture::Picture;
-use crate::run::fragments::{Batch, FragmentShader, Shaded};
+use crate::run::fragments::{Batch, FragmentShader, Image, Shaded};
 use crate::run::reader::{Failure, Reader};
 use crate::source::Source;
 use crate::{Diagnostic, Options};
@@ -67,6 +67,27 @@ pub struct Work<'a> {
     pub background: DVec3,
     /// A reader that takes longer for one job has failed.
     pub limit: Duration,
+}
+
+/// What is bound for fragments of one material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Prepared {
+    /// The bytes of each block.
+    pub blocks: Vec<Vec<u8>>,
+    /// The textures.
+    pub textures: Vec<Image>,
+    /// Values of each input, one a fragment.
+    pub inputs: Vec<Vec<[f32; 4]>>,
+    /// How many fragments.
+    pub count: usize,
+}
+
+impl Prepared {
+    /// It as the shader takes it.
+    pub fn batch(&self, limit: Duration) -> Batch<'_> {
+        let Prepared { blocks, textures, inputs, count } = self;
+        Batch { blocks, textures, inputs, count: *count, limit }
+    }
 }
 
 /// A picture and what it took.
@@ -216,6 +237,28 @@ impl Renderer {
         };
         let shaded = self.shader.run(reader, &batch, |reader, done| after(reader, done))?;
         Ok((shaded, blocks.iter().map(|bytes| bytes.len() as u64).sum()))
+    }
+
+    /// What lighting fragments of one material binds, made once to be run often.
+    ///
+    /// # Errors
+    /// More lights than slots.
+    pub fn prepare(
+        &self,
+        work: &Work<'_>,
+        fragments: &[&Fragment],
+        draw: &Draw<'_>,
+    ) -> Result<Prepared, RenderError> {
+        let Some(first) = fragments.first() else { return Ok(Prepared::default()) };
+        let material = work.upload.materials.get(first.material as usize);
+        let material = material.expect("a fragment's material is one of the upload's");
+        let filler = &self.filler;
+        Ok(Prepared {
+            blocks: filler.blocks(work.upload, &draw.lights, material, draw.tiles.as_ref())?,
+            textures: filler.textures(material),
+            inputs: filler.inputs(fragments.iter().copied(), [work.frame.width, work.frame.height]),
+            count: fragments.len(),
+        })
     }
 
     /// Makes the picture of those draws; a fragment of none of them shows the background.

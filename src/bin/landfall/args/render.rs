@@ -87,7 +87,7 @@ pub enum TransferName {
 }
 
 /// `WxH`.
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=1 << 15).contains(n));
     let sides = text.split_once(['x', 'X']).map(|(w, h)| (side(w), side(h)));
     match sides {

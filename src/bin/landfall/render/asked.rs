@@ -10,7 +10,7 @@ use landfall::source::Files;
 use landfall::{Diagnostic, Error, Options, Source};
 use serde_json::{Map, Value};
 
-use crate::args::RenderArgs;
+use crate::args::{ReadArgs, RenderArgs};
 use crate::output::{FindingStyle, Streams};
 use crate::{data, read};
 
@@ -30,34 +30,59 @@ pub struct Asked {
     files: Files,
 }
 
+/// What the command line says of a scene and its shader; the fields are those of [`RenderArgs`].
+pub struct Wanted<'a> {
+    pub scene: &'a Path,
+    pub shader: Option<PathBuf>,
+    pub entry: Option<String>,
+    pub size: Option<[u32; 2]>,
+    pub model: Option<String>,
+    pub bind: Vec<String>,
+    pub read: &'a ReadArgs,
+}
+
+impl<'a> From<&'a RenderArgs> for Wanted<'a> {
+    fn from(args: &'a RenderArgs) -> Wanted<'a> {
+        Wanted {
+            scene: &args.scene,
+            shader: args.shader.clone(),
+            entry: args.entry.clone(),
+            size: args.size,
+            model: args.model.clone(),
+            bind: args.bind.clone(),
+            read: &args.read,
+        }
+    }
+}
+
 /// Members of a scene's `shader`, when that is an object.
 const SHADER_MEMBERS: [&str; 4] = ["path", "entry", "define", "normals"];
 
 /// Reads the scene and the shader; what is wrong with the scene is reported.
 pub fn asked(
-    args: &RenderArgs,
+    args: &Wanted<'_>,
     streams: &Streams,
     style: &FindingStyle,
 ) -> Result<Option<Asked>, Error> {
-    let mut reading = read_file(&args.scene)?;
+    let mut reading = read_file(args.scene)?;
     streams.report(&style.text(&reading.diagnostics, &reading.files));
     let Some(mut scene) = reading.scene.take() else { return Ok(None) };
     if let Some(size) = args.size {
         scene.size = size;
     }
     let path = args.scene.display().to_string();
-    let mut options = read::options(&args.read);
+    let mut options = read::options(args.read);
     let (mut entry, mut frame) = (args.entry.clone(), FrameOptions::default());
     let own = match &scene.shader {
-        Some(Value::String(name)) => Some(beside(&args.scene, name)),
+        Some(Value::String(name)) => Some(beside(args.scene, name)),
         Some(Value::Object(map)) => {
             let own = of_scene(&path, map, &mut entry, &mut frame, &mut options)?;
-            own.map(|name| beside(&args.scene, &name))
+            own.map(|name| beside(args.scene, &name))
         }
         Some(_) | None => None,
     };
     let shader = match args.shader.clone().or(own) {
-        Some(file) => Some(read::source(&file, &args.read)?),
+        Some(file) => Some(read::source(&file, args.read)?),
         None => None,
     };
     let model = match (&args.model, &scene.model) {
