@@ -1,7 +1,9 @@
-//! How wrong a shader's arithmetic gets, measured.
+//! Fast and accurate, measured: how wrong a shader's arithmetic gets, and what it costs.
 //!
-//! [`stress`] looks for the inputs at which a function breaks; [`plot`] draws what was found.
-//! Everything here runs on [`run`](crate::run) and is printed by [`emit`](crate::emit).
+//! [`stress`] looks for the inputs at which a function breaks; [`bench`] measures variants on
+//! readers against the reference and ranks them; [`plot`] draws what was found. Everything here
+//! runs on [`run`](crate::run) and is printed by [`emit`](crate::emit).
 
+pub mod bench;
 pub mod plot;
 pub mod stress;

@@ -5,7 +5,10 @@
 //! [`between`] between them, then [`closing`], so that no more than one shader
 //! need be in memory; [`document`] is all of it for one.
 
+pub mod bench;
+pub mod bind;
 pub mod c;
+pub mod compare;
 pub mod coverage;
 mod csv;
 pub mod devices;
@@ -20,6 +23,7 @@ mod listing;
 mod markdown;
 mod paint;
 mod place;
+pub mod render;
 pub mod run;
 pub mod rust;
 pub mod stress;

@@ -113,6 +113,17 @@ pub enum ResourceKind {
     },
     /// The sampler beside a texture: nearest, repeating.
     Sampler,
+    /// OpenGL's uniforms outside of blocks; other readers have them in a block and ignore this.
+    Loose(Vec<LooseUniform>),
+}
+
+/// A uniform outside of blocks.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LooseUniform {
+    /// One element as OpenGL spells it: `lights[2].color`.
+    pub name: String,
+    /// Its components, column by column, 32 bits each.
+    pub words: Vec<u32>,
 }
 
 /// What came back.
@@ -211,6 +222,12 @@ pub trait Reader {
     /// # Errors
     /// Why there is no answer; the reader can be asked again unless it died.
     fn run(&mut self, job: &Job) -> Result<Answer, Failure>;
+
+    /// How long the device worked at the last job, by timestamps of its own; `None` where it
+    /// has none or is no device of its own.
+    fn device_time(&self) -> Option<Duration> {
+        None
+    }
 
     /// What its compiler says of texts as they are, within that time; `None` where it has none.
     fn reflect(

@@ -1,9 +1,11 @@
 //! What may be written on the command line. Nothing here acts.
 
+mod bench;
 mod check;
 mod codec;
 mod levels;
 mod lock;
+mod render;
 mod run;
 mod stress;
 mod verify;
@@ -15,9 +17,11 @@ use landfall::emit::rust::Vectors;
 use landfall::lint::settings::Target as Limits;
 use landfall::{Language, Rules, Stage, Target, emit};
 
+pub use bench::{BenchArgs, BenchFormat};
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
+pub use render::{RenderArgs, RenderFormat, TransferName};
 pub use run::{RunArgs, RunFormat};
 pub use stress::{StressArgs, StressFormat};
 pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
@@ -56,6 +60,10 @@ pub enum Command {
     Run(RunArgs),
     /// Look for inputs at which a function of a shader breaks, and say which operation does it
     Stress(StressArgs),
+    /// Light a scene in JSON by a shader and make a picture of it
+    Render(Box<RenderArgs>),
+    /// Measure variants of lighting, or of a function: time against error
+    Bench(Box<BenchArgs>),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
     /// Write the lock of every shader: its layout, to be committed and compared with
@@ -291,6 +299,10 @@ pub enum Schema {
     Run,
     /// stress --format json
     Stress,
+    /// render --format json
+    Render,
+    /// bench --format json
+    Bench,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

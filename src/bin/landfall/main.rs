@@ -4,6 +4,7 @@
 //! written, an error in a shader. Products go to stdout, findings to stderr.
 
 mod args;
+mod bench;
 mod check;
 mod config;
 mod data;
@@ -23,6 +24,7 @@ mod read;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 mod reader;
 mod readers;
+mod render;
 mod rule;
 mod run;
 mod schema;
@@ -50,6 +52,8 @@ fn main() -> ExitCode {
         Command::Verify(args) => verify::run(args, &streams),
         Command::Run(args) => run::run(args, &streams),
         Command::Stress(args) => stress::run(args, &streams),
+        Command::Render(args) => render::run(args, &streams),
+        Command::Bench(args) => bench::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

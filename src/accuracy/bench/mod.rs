@@ -1,0 +1,25 @@
+//! Variants of lighting on readers: time against error, measured so that a busy machine is no
+//! excuse.
+//!
+//! A [`Workload`] is a variant on a reader; [`measure`] runs them in turns by a [`clock`] and
+//! gives [`Spread`]s; [`Errors`] hold its colours against the reference; [`rank`] says who is
+//! better. All of it is a [`Bench`], printed by [`emit::bench`](crate::emit::bench) and drawn by
+//! [`plot`](super::plot).
+
+pub mod clock;
+pub mod compiled;
+mod errors;
+pub mod function;
+pub mod machine;
+pub mod rank;
+mod report;
+mod rounds;
+pub mod scene;
+pub mod shader;
+mod spread;
+
+pub use errors::Errors;
+pub use machine::Machine;
+pub use report::{Bench, BenchRow, Failed, Runner, Size, Work, drawing};
+pub use rounds::{Part, Rounds, Samples, Workload, measure};
+pub use spread::Spread;

@@ -1,0 +1,81 @@
+//! Who is better: not worse in any column beyond the spread, and better in one.
+//!
+//! Only variants of one runner are compared. Columns are time for a light and for a fragment, the
+//! largest error, that of 99.9 %, flips, fragments that are no number, light evaluations and
+//! bytes uploaded; operations and powers are not, as they are why the time is what it is.
+
+use super::report::BenchRow;
+
+/// What one column says of two variants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Beyond the spread.
+    Better,
+    /// Not told apart, or one of them has no such number.
+    Same,
+    /// Beyond the spread.
+    Worse,
+}
+
+/// Whether `a` is better than `b`: of one runner, not worse in any column, better in one.
+pub fn better(a: &BenchRow, b: &BenchRow) -> bool {
+    let verdicts = columns(a, b);
+    a.runner == b.runner
+        && verdicts.iter().all(|verdict| *verdict != Verdict::Worse)
+        && verdicts.contains(&Verdict::Better)
+}
+
+/// For each row the numbers of those that are better.
+pub fn dominated(rows: &[BenchRow]) -> Vec<Vec<usize>> {
+    rows.iter()
+        .map(|row| (0..rows.len()).filter(|&other| better(&rows[other], row)).collect())
+        .collect()
+}
+
+/// Each column of `a` against `b`.
+pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 8] {
+    let (ea, eb) = (&a.errors, &b.errors);
+    [
+        times(a.light_rounds.as_deref(), b.light_rounds.as_deref()),
+        times(Some(&a.fragment_rounds), Some(&b.fragment_rounds)),
+        numbers(Some(ea.max_steps), Some(eb.max_steps)),
+        numbers(Some(ea.p999_steps), Some(eb.p999_steps)),
+        flips(ea.flips, eb.flips),
+        numbers(Some(ea.non_finite as f64), Some(eb.non_finite as f64)),
+        numbers(a.work.evaluations, b.work.evaluations),
+        numbers(a.work.bytes.map(|n| n as f64), b.work.bytes.map(|n| n as f64)),
+    ]
+}
+
+/// Times of the same rounds: `a` is faster if it was in three of four rounds.
+fn times(a: Option<&[f64]>, b: Option<&[f64]>) -> Verdict {
+    let (Some(a), Some(b)) = (a, b) else { return Verdict::Same };
+    let rounds = a.len().min(b.len());
+    let faster = a.iter().zip(b).filter(|(a, b)| a < b).count();
+    let slower = a.iter().zip(b).filter(|(a, b)| a > b).count();
+    match 4 {
+        _ if rounds == 0 => Verdict::Same,
+        quarters if quarters * faster >= 3 * rounds => Verdict::Better,
+        quarters if quarters * slower >= 3 * rounds => Verdict::Worse,
+        _ => Verdict::Same,
+    }
+}
+
+/// Numbers that are the same each time.
+fn numbers(a: Option<f64>, b: Option<f64>) -> Verdict {
+    match (a, b) {
+        (Some(a), Some(b)) if a < b => Verdict::Better,
+        (Some(a), Some(b)) if a > b => Verdict::Worse,
+        _ => Verdict::Same,
+    }
+}
+
+/// Flips are a sample: so many of other fragments would differ by the root of their number.
+fn flips(a: u64, b: u64) -> Verdict {
+    let spread = ((a + b) as f64).sqrt();
+    match a as f64 - b as f64 {
+        apart if apart < -spread => Verdict::Better,
+        apart if apart > spread => Verdict::Worse,
+        _ => Verdict::Same,
+    }
+}

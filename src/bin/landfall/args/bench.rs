@@ -1,0 +1,71 @@
+//! Arguments of `landfall bench`.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::ValueEnum;
+
+use super::render::size;
+use super::verify::seconds;
+use super::{ReadArgs, ReaderName, setting};
+
+#[derive(Debug, clap::Args)]
+pub struct BenchArgs {
+    /// The scene that variants light; or a shader, with --fn
+    #[arg(value_name = "SCENE.json|FILE")]
+    pub subject: PathBuf,
+    /// Call this function of the shader, and of every variant, instead: its f64 is the truth
+    #[arg(long = "fn", value_name = "NAME", conflicts_with_all = ["reader", "size", "model", "bind"])]
+    pub function: Option<String>,
+    /// A variant: a shader's FILE; rust:seed or rust:robust, compiled into landfall, the latter
+    /// also rust:robust=POWER, without powers below POWER; plan:OPTIONS, which skips lights. Once
+    /// for each [default: the scene's shader and what is compiled]
+    #[arg(long = "variant", value_name = "NAME=WHAT", value_parser = setting)]
+    pub variants: Vec<(String, String)>,
+    /// Who runs the shaders [default: all there are]
+    #[arg(long, value_name = "READER", value_delimiter = ',')]
+    pub reader: Vec<ReaderName>,
+    /// Part of the name of the GPU adapter to take
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Rounds that count; one more goes before
+    #[arg(long, value_name = "N", default_value = "15", value_parser = clap::value_parser!(u32).range(3..=10_000))]
+    pub rounds: u32,
+    /// Fragments times lights of a run at most: of a larger picture every so many fragments are
+    /// lit. Plans need all of them and have no such limit
+    #[arg(long, value_name = "N", default_value = "2000000")]
+    pub most: u64,
+    /// Pixels of the picture [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// The lighting model of the reference [default: the scene's, or what the shader looks like]
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<String>,
+    /// Which number of the scene goes to which member: a file of JSON, or an object
+    #[arg(long, value_name = "FILE|JSON")]
+    pub bind: Vec<String>,
+    /// Where the random arguments of --fn start
+    #[arg(long, value_name = "N", default_value = "1", requires = "function")]
+    pub seed: u64,
+    /// Draw time against error: an SVG, whole or not at all
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+    /// Form of the output
+    #[arg(short, long, value_name = "FORMAT", default_value = "human")]
+    pub format: BenchFormat,
+    /// Seconds after which a reader has failed at a run
+    #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = seconds)]
+    pub limit: Duration,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BenchFormat {
+    /// A table for each reader
+    Human,
+    /// JSON as `landfall schema bench` describes it
+    Json,
+    /// A line a variant
+    Csv,
+}

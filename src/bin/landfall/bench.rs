@@ -1,0 +1,99 @@
+//! `landfall bench`: variants on readers, time against error.
+
+mod function;
+mod scene;
+
+use landfall::Error;
+use landfall::accuracy::bench::clock::Clock;
+use landfall::accuracy::bench::{
+    Bench, BenchRow, Errors, Failed, Machine, Rounds, Runner, Size, Work, Workload, drawing,
+    measure,
+};
+use landfall::accuracy::plot::scatter;
+use landfall::emit::bench as print;
+
+use crate::args::{BenchArgs, BenchFormat};
+use crate::output::{Failure, Outcome, Streams};
+
+pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let bench = match &args.function {
+        Some(name) => function::bench(args, name, streams)?,
+        None => scene::bench(args, streams)?,
+    };
+    let Some(bench) = bench else { return Ok(Outcome::CouldNot) };
+    if let Some(path) = &args.plot {
+        landfall::file::write_whole(path, scatter(&drawing(&bench)))?;
+    }
+    streams.product(&match args.format {
+        BenchFormat::Human => print::text(&bench, streams.paint),
+        BenchFormat::Json => print::json(&bench),
+        BenchFormat::Csv => print::csv(&bench),
+    })?;
+    if args.format == BenchFormat::Csv {
+        for Failed { variant, reader, reason } in &bench.failed {
+            streams.notes(&format!("note: {variant} on {reader}: {reason}\n"));
+        }
+    }
+    Ok(if bench.rows.is_empty() { Outcome::CouldNot } else { Outcome::Clean })
+}
+
+/// Something to measure, and what is known of it already.
+struct Entry<'a> {
+    variant: String,
+    runner: Runner,
+    workload: Box<dyn Workload + 'a>,
+    errors: Errors,
+    work: Work,
+}
+
+/// What a bench is of.
+struct About {
+    subject: String,
+    truth: String,
+    size: Size,
+}
+
+/// Measures in turns and ranks.
+fn measured(
+    about: About,
+    mut entries: Vec<Entry<'_>>,
+    mut failed: Vec<Failed>,
+    args: &BenchArgs,
+    streams: &Streams,
+) -> Bench {
+    let machine = Machine::here();
+    let rounds = Rounds { count: args.rounds, ..Rounds::default() };
+    let shows = streams.shows_progress_first();
+    let mut progress = |done: u32| {
+        if shows {
+            streams.progress(&format!("round {done} of {}", args.rounds));
+        }
+    };
+    let mut workloads: Vec<&mut dyn Workload> =
+        entries.iter_mut().map(|entry| &mut *entry.workload as &mut dyn Workload).collect();
+    let samples = measure(&mut workloads, &rounds, &mut progress);
+    let mut rows = Vec::new();
+    for (entry, samples) in entries.into_iter().zip(samples) {
+        let Entry { variant, runner, errors, work, .. } = entry;
+        match samples {
+            Ok(samples) => {
+                rows.extend(BenchRow::new(variant, runner, &samples, about.size, errors, work));
+            }
+            Err(reason) => failed.push(Failed { variant, reader: runner.reader, reason }),
+        }
+    }
+    let About { subject, truth, size: Size { fragments, lights } } = about;
+    let machine = machine.after();
+    Bench { subject, truth, fragments, lights, machine, rows, failed }.ranked()
+}
+
+/// Who runs what is compiled into this program.
+fn rust() -> Runner {
+    let device =
+        format!("this program, {} {}, one thread", std::env::consts::OS, std::env::consts::ARCH);
+    Runner { reader: "rust".to_string(), device, clock: Clock::Processor }
+}
+
+fn wrong(variant: &str, what: impl Into<String>) -> Error {
+    Error::new(format!("--variant {variant}"), what)
+}

@@ -1,0 +1,103 @@
+//! Only the lights that are in use: those that give anything, and that the shader has a slot for.
+
+use glam::DVec3;
+
+use super::bound::{Bounded, Kind};
+use super::options::Options;
+use super::plan::{Claim, Compiled, Plan, Savings, Step};
+use crate::light::compiled::Model;
+use crate::light::scene::Emission;
+use crate::light::{Frame, Upload};
+
+/// The lights a plan is made for, and the savings so far.
+pub(super) fn used(
+    upload: &Upload,
+    frame: &Frame,
+    model: &Model,
+    all: &[Bounded],
+    options: &Options,
+) -> (Vec<Bounded>, Savings) {
+    let fragments = frame.fragments.len() as u64;
+    let uploaded = upload.lights.point.len();
+    let slots = options.slots.map_or(uploaded, |slots| slots as usize);
+    let others = upload.lights.directional.len() + upload.lights.spot.len();
+    let looped = (slots + others) as u64;
+    let mut savings = Savings { fragments, before: fragments * looped, ..Savings::default() };
+    if uploaded > slots {
+        savings.notes.push(format!(
+            "{uploaded} point lights, but the shader's array has {slots} slots: the last {} are \
+             left out",
+            uploaded - slots
+        ));
+    }
+    let has_slot = |light: &Bounded| light.kind != Kind::Point || (light.number as usize) < slots;
+    let mut lights: Vec<Bounded> = all.iter().filter(|light| has_slot(light)).cloned().collect();
+    for light in &lights {
+        if let Err(why) = light.shape {
+            savings.notes.push(format!(
+                "{} {} {}: no bound is known, it is never left out",
+                light.kind.name(),
+                light.number,
+                why.reason()
+            ));
+        }
+    }
+    if options.used {
+        let there = lights.len();
+        lights.retain(|light| !is_dark(emission(upload, light), model));
+        let dark = there - lights.len();
+        let empty = slots.saturating_sub(uploaded);
+        let before = fragments * looped;
+        let after = fragments * lights.len() as u64;
+        let did = format!(
+            "{} of {} slots lit: {empty} empty and {dark} dark left out of the loop",
+            lights.len(),
+            there + empty,
+        );
+        let error = Claim::Exact(
+            "a light without colour adds exactly zero where its attenuation is finite; a zeroed \
+             slot of the plain loop adds 0 * (1 / 0), not a number"
+                .to_string(),
+        );
+        savings.steps.push(Step {
+            option: "used".to_string(),
+            did,
+            evaluations: Some([before, after]),
+            error,
+            tests: 0,
+        });
+    }
+    (lights, savings)
+}
+
+/// Whether the light from everywhere is there, or may be left out.
+pub(super) fn ambient(upload: &Upload, model: &Model, options: &Options) -> bool {
+    let dark = |a: &crate::light::scene::Ambient| a.color * a.intensity == DVec3::ZERO;
+    model.counts_ambient()
+        && upload.lights.ambient.is_some_and(|ambient| !(options.used && dark(&ambient)))
+}
+
+/// What a shader needs to hold for the lights that some draw uses.
+pub(super) fn compiled(plan: &Plan, ambient: bool) -> Compiled {
+    let sets = plan.draws.iter().map(|d| &d.lights).chain(plan.grids.iter().map(|g| &g.lights));
+    let none = Compiled { ambient, ..Compiled::default() };
+    sets.fold(none, |most, set| Compiled {
+        ambient,
+        directional: most.directional.max(set.directional.len() as u32),
+        point: most.point.max(set.point.len() as u32),
+        spot: most.spot.max(set.spot.len() as u32),
+    })
+}
+
+fn emission<'a>(upload: &'a Upload, light: &Bounded) -> &'a Emission {
+    let number = light.number as usize;
+    match light.kind {
+        Kind::Directional => &upload.lights.directional[number].emission,
+        Kind::Point => &upload.lights.point[number].emission,
+        Kind::Spot => &upload.lights.spot[number].lamp.emission,
+    }
+}
+
+fn is_dark(emission: &Emission, model: &Model) -> bool {
+    model.colors(emission).iter().all(|color| *color == DVec3::ZERO)
+}

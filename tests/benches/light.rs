@@ -1,0 +1,340 @@
+//! What lighting costs and what skipping saves: `cargo bench --bench light`, which with
+//! `--no-default-features` builds without drivers.
+//!
+//! Times are CPU time of this thread, each contest in turns A B, B A, the median of the rounds
+//! with the 10th and 90th percentile. A time per light is a slope: what a further light adds.
+
+use std::hint::black_box;
+
+use glam::Vec3;
+use landfall::Buffer;
+use landfall::light::compiled::{
+    Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
+};
+use landfall::light::reference::{self, Window};
+use landfall::light::sample::texels;
+use landfall::light::skip::{self, Choice, Costs, Options, Plan};
+use landfall::light::{Frame, FrameOptions, Upload, scene};
+use measure::{median, round};
+
+mod measure;
+
+const ROUNDS: usize = 15;
+const SEED: Form = Form::Seed;
+const ROBUST: Form = Form::Robust(Gates::ALL);
+
+struct Lit {
+    upload: Upload,
+    frame: Frame,
+}
+
+fn main() {
+    println!("load {}", std::fs::read_to_string("/proc/loadavg").unwrap_or_default().trim());
+    forms();
+    few_lights();
+    many_lights();
+    far_lights();
+    uploads();
+}
+
+/// The robust form against the published one on the six-light scene.
+fn forms() {
+    let lit = load("six_lights", None);
+    let model = Model::default();
+    println!("\nsix lights, {} fragments: ns a fragment", lit.frame.fragments.len());
+    let exact = surfaces(&lit.frame, &lit.upload, &model, 0.0);
+    let tiny = surfaces(&lit.frame, &lit.upload, &model, 2f64.powi(-24));
+    let eye = lit.upload.camera.as_vec3();
+    let six = Lights::new(&lit.upload, &model);
+    let none = Lights::default();
+    let points = Lights { directional: Vec::new(), spot: Vec::new(), ..six.clone() };
+    let more = Lights { point: points.point.repeat(4), ..points.clone() };
+    let shade = |surfaces: &[Surface], lights: &Lights, form: Form| {
+        let shaded: Shaded<()> = shade_all(black_box(surfaces), eye, lights, &model, form);
+        drop(black_box(shaded));
+    };
+    let variants: [(&str, &[Surface], Form); 4] = [
+        ("seed", &exact, SEED),
+        ("robust, no gate", &exact, Form::Robust(Gates::NONE)),
+        ("robust, exact gates", &exact, ROBUST),
+        ("robust, powers from 2^-24", &tiny, ROBUST),
+    ];
+    let fragments = exact.len() as f64;
+    println!("{:28} {:>22} {:>22} {:>12}", "", "six lights", "a point light more", "max error");
+    let mut seeds = [0.0; 2];
+    for (name, surfaces, form) in variants {
+        let [whole, slope] = {
+            let contest = |a: &Lights, b: &Lights, per: f64| -> Spread {
+                slopes(|| shade(surfaces, a, form), || shade(surfaces, b, form), per * fragments)
+            };
+            [contest(&none, &six, 1.0), contest(&points, &more, 12.0)]
+        };
+        let fixed = spread(|| shade(surfaces, &none, form), fragments);
+        let total = fixed.median + whole.median;
+        if form == SEED {
+            seeds = [total, slope.median];
+        }
+        println!(
+            "{name:28} {total:6.1}  {:>4} of seed    {slope} {:>4} of seed  {:8.1e} step",
+            round(total / seeds[0]),
+            round(slope.median / seeds[1]),
+            error(&lit, surfaces, form)
+        );
+    }
+    // The claim itself, in pairs.
+    let pairs =
+        measure::interleaved(ROUNDS, || shade(&tiny, &six, ROBUST), || shade(&exact, &six, SEED));
+    println!("seed takes {pairs} times as long as robust, six lights");
+    let pairs =
+        measure::interleaved(ROUNDS, || shade(&tiny, &more, ROBUST), || shade(&exact, &more, SEED));
+    println!("seed takes {pairs} times as long as robust, 16 point lights");
+    for (name, surfaces, form) in variants {
+        let Work { evaluations, attenuations, powers, .. } =
+            shade_all::<Work>(surfaces, eye, &six, &model, form).tally;
+        let per = |n: u64| n as f64 / fragments;
+        println!(
+            "{name:28} {:.2} evaluations, {:.2} attenuations, {:.2} powers a fragment",
+            per(evaluations),
+            per(attenuations),
+            per(powers)
+        );
+    }
+}
+
+/// The largest difference from the reference in `f64`, in steps.
+fn error(lit: &Lit, surfaces: &[Surface], form: Form) -> f64 {
+    let Lit { upload, frame } = lit;
+    let model = reference::Model::default();
+    let lights = Lights::new(upload, &Model::default());
+    let eye = upload.camera.as_vec3();
+    let stride = 7;
+    let some: Vec<Surface> = surfaces.iter().step_by(stride).copied().collect();
+    let colors = shade_all::<()>(&some, eye, &lights, &Model::default(), form).colors;
+    let mut most = 0f64;
+    for (fragment, color) in frame.fragments.iter().step_by(stride).zip(colors) {
+        let texels = texels(&upload.materials[fragment.material as usize], fragment.uv);
+        if let Ok(truth) = reference::shade(&model, upload, fragment, &texels) {
+            most = most.max((color.as_dvec3() - truth.total).abs().max_element() * 255.0);
+        }
+    }
+    most
+}
+
+/// Lists cost more than they save where there are few lights.
+fn few_lights() {
+    let lit = load("six_lights", None);
+    let model = Model::default();
+    println!("\nsix lights: making a plan beside what it saves");
+    for text in ["used,tiles,always", "used,tiles"] {
+        row(&lit, &model, text);
+    }
+}
+
+/// 1,024 lights that end.
+fn many_lights() {
+    let lit = load("lights_1024_windowed", None);
+    let model = Model { windowed: true, ..Model::default() };
+    println!("\n1,024 windowed lights, {} fragments", lit.frame.fragments.len());
+    let exact = exact_in_range(&lit);
+    println!("exactly in range: {exact:.1} lights a fragment");
+    for text in ["used", "tiles=8", "tiles=16", "clusters=16x9x24", "clusters"] {
+        row(&lit, &model, text);
+    }
+}
+
+/// 1,024 lights that do not end.
+fn far_lights() {
+    let model = Model::default();
+    for seed in [42, 1, 7] {
+        let lit = load("lights_1024", Some(seed));
+        println!(
+            "\n1,024 lights without end, seed {seed}, {} fragments",
+            lit.frame.fragments.len()
+        );
+        let all: &[&str] = &[
+            "used",
+            "budget=0.5",
+            "interpolate=2",
+            "interpolate=3",
+            "interpolate=4",
+            "interpolate=2x4",
+            "interpolate=4x4",
+            "cut=5/256",
+            "cut=1/256",
+            "below=1/256",
+        ];
+        for text in if seed == 42 { all } else { &["interpolate=2", "interpolate=4"] } {
+            row(&lit, &model, text);
+        }
+    }
+}
+
+/// One plan: what it saves, what making and executing it takes.
+fn row(lit: &Lit, model: &Model, text: &str) {
+    let Lit { upload, frame } = lit;
+    let options = skip::parse(text).expect("good options");
+    let surfaces = surfaces(frame, upload, model, 0.0);
+    let fragments = frame.fragments.len() as f64;
+    let plan = skip::plan(upload, frame, model, &options);
+    let run = |plan: &Plan| {
+        drop(black_box(execute::<()>(plan, upload, &surfaces, model, ROBUST)));
+    };
+    let rounds = if plan.evaluations() > 20_000_000 { 2 } else { 9 };
+    let made =
+        cpu_median(rounds, || drop(black_box(skip::plan_only(upload, frame, model, &options))));
+    let lit = cpu_median(rounds, || run(&plan));
+    let per = plan.evaluations() as f64 / fragments;
+    println!(
+        "{text:20} {per:8.2} evaluations a fragment, {:6} times fewer; made in {:7.2} ms, lit in {:8.2} ms; {} draws, {} grids",
+        round(plan.savings.before as f64 / plan.evaluations().max(1) as f64),
+        1e3 * made,
+        1e3 * lit,
+        plan.draws.len(),
+        plan.grids.len(),
+    );
+    for step in &plan.savings.steps {
+        println!("    {}: {:?} ({})", step.option, step.error, step.did);
+    }
+}
+
+fn exact_in_range(lit: &Lit) -> f64 {
+    let lights = &lit.upload.lights.point;
+    let mut count = 0u64;
+    for fragment in &lit.frame.fragments {
+        let at = Vec3::from(fragment.position).as_dvec3();
+        let inside = lights.iter().filter(|light| {
+            let range = light.attenuation.range.unwrap_or(f64::INFINITY);
+            (light.position - at).length_squared() < range * range
+        });
+        count += inside.count() as u64;
+    }
+    count as f64 / lit.frame.fragments.len() as f64
+}
+
+/// Ranges against the whole block: what a call costs in bytes.
+fn uploads() {
+    const LIGHTS: &str = "
+        struct PointLight { vec3 pos; vec3 color; float intensity; float constant; float linear; float quadratic; };
+        layout(std140) uniform PointLightBlock { PointLight data[128]; int actually_used_count; } lights;
+    ";
+    let source = landfall::Source::new("lights.frag", LIGHTS);
+    let block = landfall::layout(&source, &landfall::Options::default()).blocks.remove(0);
+    let mut buffer = Buffer::new(&block).expect("a fixed size");
+    let mut staging = vec![0u8; buffer.bytes().len()];
+    println!("\nuploads of a block of {} bytes, staged by copying", staging.len());
+    let position = buffer.handle::<[f32; 3]>("data[].pos").expect("a vec3");
+    for moved in [1, 2, 8, 32, 128] {
+        buffer.clear_dirty();
+        for light in 0..moved {
+            buffer.set_at(&position, [light * 128 / moved], [1.0; 3]).expect("in range");
+        }
+        let parts = Options::default().costs.call;
+        let (choice, upload) = skip::choose(&buffer, parts);
+        let many = 2000;
+        let ranges = cpu_median(9, || {
+            for _ in 0..many {
+                for range in black_box(&buffer).dirty(0) {
+                    staging[range.clone()].copy_from_slice(&buffer.bytes()[range]);
+                }
+                black_box(&mut staging);
+            }
+        });
+        let whole = cpu_median(9, || {
+            for _ in 0..many {
+                staging.copy_from_slice(black_box(&buffer).bytes());
+                black_box(&mut staging);
+            }
+        });
+        let chosen = match choice {
+            Choice::Nothing => "nothing".to_string(),
+            Choice::Ranges(ranges) => format!("{} ranges", ranges.len()),
+            Choice::Whole => "the whole block".to_string(),
+        };
+        println!(
+            "{moved:4} positions moved: {:5.0} ns in ranges, {:5.0} ns whole; at {parts} bytes a call: {chosen}, {} bytes dirty",
+            1e9 * ranges / f64::from(many),
+            1e9 * whole / f64::from(many),
+            upload.bytes
+        );
+    }
+}
+
+fn load(name: &str, seed: Option<u64>) -> Lit {
+    let path = format!("{}/shaders/scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    let mut text = std::fs::read_to_string(&path).expect("a scene of ours");
+    if let Some(seed) = seed {
+        text = text.replace("\"seed\": 42", &format!("\"seed\": {seed}"));
+    }
+    let folder = format!("{}/shaders/scenes/", env!("CARGO_MANIFEST_DIR"));
+    let open = |name: &str| {
+        std::fs::read(format!("{folder}{name}"))
+            .map_err(|e| landfall::Error::new(name, e.to_string()))
+    };
+    let reading = scene::read(&path, &text, &open);
+    let scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
+    Lit { upload: Upload::new(&scene), frame: Frame::new(&scene, &FrameOptions::default()) }
+}
+
+struct Spread {
+    median: f64,
+    low: f64,
+    high: f64,
+}
+
+impl std::fmt::Display for Spread {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:5.1} ({:.1} to {:.1})", self.median, self.low, self.high)
+    }
+}
+
+/// What `more` takes beyond `less`, in ns for each of `per`.
+fn slopes(mut less: impl FnMut(), mut more: impl FnMut(), per: f64) -> Spread {
+    let mut found: Vec<f64> = Vec::new();
+    for round in 0..=ROUNDS {
+        let (a, b) = if round % 2 == 0 {
+            let a = cpu(&mut less);
+            (a, cpu(&mut more))
+        } else {
+            let b = cpu(&mut more);
+            (cpu(&mut less), b)
+        };
+        // The first round warms up.
+        if round > 0 {
+            found.push(1e9 * (b - a) / per);
+        }
+    }
+    of(found)
+}
+
+fn spread(mut work: impl FnMut(), per: f64) -> Spread {
+    work();
+    of((0..ROUNDS).map(|_| 1e9 * cpu(&mut work) / per).collect())
+}
+
+fn of(mut found: Vec<f64>) -> Spread {
+    found.sort_by(f64::total_cmp);
+    let at = |part: f64| found[(part * (found.len() - 1) as f64).round() as usize];
+    Spread { median: at(0.5), low: at(0.1), high: at(0.9) }
+}
+
+fn cpu_median(rounds: usize, mut work: impl FnMut()) -> f64 {
+    work();
+    median((0..rounds).map(|_| cpu(&mut work)).collect())
+}
+
+/// Seconds this thread computes for one call; by the clock where the system does not tell.
+fn cpu(work: &mut impl FnMut()) -> f64 {
+    let before = on_cpu();
+    let wall = measure::seconds(work);
+    match (before, on_cpu()) {
+        (Some(a), Some(b)) if b > a => (b - a) as f64 * 1e-9,
+        _ => wall,
+    }
+}
+
+fn on_cpu() -> Option<u64> {
+    // Giving up the processor has the kernel account for what was used so far.
+    std::thread::yield_now();
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split_whitespace().next()?.parse().ok()
+}
