@@ -20,6 +20,7 @@ mod listing;
 mod markdown;
 mod paint;
 mod place;
+pub mod plan;
 pub mod run;
 pub mod rust;
 mod table;
