@@ -62,7 +62,7 @@ pub(super) fn measure(
 fn thin(plan: &Plan, stride: usize) -> Plan {
     let mut plan = plan.clone();
     for draw in &mut plan.draws {
-        draw.fragments.retain(|number| *number as usize % stride == 0);
+        draw.fragments.retain(|number| (*number as usize).is_multiple_of(stride));
     }
     plan
 }

@@ -144,7 +144,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
                 _ => return Err("wants one number, or three as `4x128x4`".to_string()),
             };
         }
-        "gates" => options.gates = Some(value.map_or(Ok(0.0), |v| positive(v))?),
+        "gates" => options.gates = Some(value.map_or(Ok(0.0), positive)?),
         "tiles" => {
             let size = value.map_or(Ok(8), |v| whole(v, 1..=4096))?;
             options.division = Division::Tiles { size };
