@@ -40,32 +40,70 @@ vec3 unit(vec3 v) {
     return v * inversesqrt(max(dot(v, v), 1.0e-30));
 }
 
-float attenuation(float d) {
-    return 1.0 / max(light.constant + d * (light.linear + light.quadratic * d), 1.0e-6);
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+float power(float m, float n) {
+    float x = 1.0 - m;
+    if (x <= 0.0) {
+        return 0.0;
+    }
+    int bits = int(min(n, 257.0));
+    if (bits <= 256 && float(bits) == n) {
+        float product = (bits & 1) == 1 ? x : 1.0;
+        for (bits >>= 1; bits > 0; bits >>= 1) {
+            x *= x;
+            product *= (bits & 1) == 1 ? x : 1.0;
+        }
+        return product;
+    }
+    float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * (m < 0.015625 ? series : -log(x)));
+}
+
+// Phong's highlight. The eye is mirrored, not the light: that is the same for all lights
+// of a fragment. 1 - cos is half the squared chord, which stays exact where the cosine is
+// nearly 1. A light behind the surface has no highlight.
+float highlight(vec3 toLight, vec3 normal, vec3 viewDir, float shininess) {
+    vec3 chord = toLight - reflect(-viewDir, normal);
+    float m = dot(normal, toLight) > 0.0 ? 0.5 * dot(chord, chord) : 1.0;
+    return power(m, shininess);
+}
+
+// 1 / (constant + linear d + quadratic d^2), kept finite when nothing has been set yet.
+float attenuation(float constant, float linear, float quadratic, float d) {
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
 }
 
 // 边缘系数，0 到 1。用弦长求 1 - cos：锥角很小时两个余弦都接近 1，直接相减会丢掉有效数字。
 // 内外两个角相等时分母为零，因此给一个下限，结果退化成硬边。
-float cone(vec3 toLight) {
-    vec3 chord = toLight - unit(-light.direction);
-    float outer = 1.0 - light.outerCutOff;
-    float inner = 1.0 - light.cutOff;
+float cone(vec3 toLight, vec3 direction, float cutOff, float outerCutOff) {
+    vec3 chord = toLight - unit(-direction);
+    float outer = 1.0 - outerCutOff;
+    float inner = 1.0 - cutOff;
     return clamp((outer - 0.5 * dot(chord, chord)) / max(outer - inner, 1.0e-9), 0.0, 1.0);
 }
 
+// What the light adds.
+vec3 shade(Light light, vec3 normal, vec3 fragPos, vec3 viewDir, vec3 surface, vec3 gloss) {
+    vec3 path = light.position - fragPos;
+    float d2 = dot(path, path);
+    float inverse = inversesqrt(max(d2, 1.0e-30)); // one root for the direction and the distance
+    vec3 toLight = path * inverse;
+
+    // Ambient light is neither cut nor weakened, so that the edge never turns darker inside than outside.
+    vec3 sum = light.ambient * surface;
+    float inside = cone(toLight, light.direction, light.cutOff, light.outerCutOff);
+    if (inside > 0.0) {
+        vec3 direct = light.diffuse * max(dot(normal, toLight), 0.0) * surface
+                    + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
+        sum += direct * (inside * attenuation(light.constant, light.linear, light.quadratic, d2 * inverse));
+    }
+    return sum;
+}
+
 void main() {
-    vec3 path = light.position - FragPos;
-    vec3 toLight = unit(path);
-    vec3 normal = unit(Normal);
-
-    float facing = max(dot(normal, toLight), 0.0);
-    float mirror = dot(unit(viewPos - FragPos), reflect(-toLight, normal));
-    float highlight = mirror > 0.0 ? pow(min(mirror, 1.0), material.shininess) : 0.0;
-
     vec3 surface = texture(material.diffuse, TexCoords).rgb;
     vec3 gloss = texture(material.specular, TexCoords).rgb;
-    vec3 direct = light.diffuse * facing * surface + light.specular * highlight * gloss;
-
-    // 环境光不受锥体和衰减影响
-    FragColor = vec4(light.ambient * surface + direct * (cone(toLight) * attenuation(length(path))), 1.0);
+    FragColor = vec4(shade(light, unit(Normal), FragPos, unit(viewPos - FragPos), surface, gloss), 1.0);
 }

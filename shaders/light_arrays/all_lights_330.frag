@@ -4,8 +4,12 @@
 //
 // 缓冲区大小：AmbientBlock 16 字节，DirectionalLightBlock 4112 字节，PointLightBlock 6160 字节。
 
+#ifndef DIRECTIONAL_LIGHT_MAX_NUM
 #define DIRECTIONAL_LIGHT_MAX_NUM 128
+#endif
+#ifndef POINT_LIGHT_MAX_NUM
 #define POINT_LIGHT_MAX_NUM 128
+#endif
 
 // 环境光
 struct Ambient {
@@ -56,23 +60,69 @@ in vec2 v_uv;
 
 out vec4 o_fragColor;
 
-// 单位化；零向量仍然得到零向量，不会产生 NaN
+// Unit vector along v. The zero vector stays zero where normalize() may give NaN.
 vec3 unit(vec3 v) {
     return v * inversesqrt(max(dot(v, v), 1.0e-30));
 }
 
-// 一盏灯照到表面上的漫反射与高光之和；light_dir 指向光源
-vec3 phong(vec3 light_dir, vec3 normal, vec3 view_dir, vec3 diffuse_texel, vec3 specular_texel) {
-    float diffuse = max(dot(normal, light_dir), 0.0);
-    float x = dot(view_dir, reflect(-light_dir, normal));
-    // 底数限制在 (0, 1]：pow(0, 0) 没有定义
-    float specular = x > 0.0 ? pow(min(x, 1.0), u_specular_highlight_shininess) : 0.0;
-    return diffuse * diffuse_texel + specular * specular_texel;
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+float power(float m, float n) {
+    float x = 1.0 - m;
+    if (x <= 0.0) {
+        return 0.0;
+    }
+    int bits = int(min(n, 257.0));
+    if (bits <= 256 && float(bits) == n) {
+        float product = (bits & 1) == 1 ? x : 1.0;
+        for (bits >>= 1; bits > 0; bits >>= 1) {
+            x *= x;
+            product *= (bits & 1) == 1 ? x : 1.0;
+        }
+        return product;
+    }
+    float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * (m < 0.015625 ? series : -log(x)));
 }
 
-// 距离衰减；三个系数都还没设置时分母为零，所以给一个下限
-float attenuation(PointLight light, float d) {
-    return 1.0 / max(light.constant + d * (light.linear + light.quadratic * d), 1.0e-6);
+// Phong's highlight. The eye is mirrored, not the light: that is the same for all lights
+// of a fragment. 1 - cos is half the squared chord, which stays exact where the cosine is
+// nearly 1. A light behind the surface has no highlight.
+float highlight(vec3 light_dir, vec3 normal, vec3 view_dir, float shininess) {
+    vec3 chord = light_dir - reflect(-view_dir, normal);
+    float m = dot(normal, light_dir) > 0.0 ? 0.5 * dot(chord, chord) : 1.0;
+    return power(m, shininess);
+}
+
+// 1 / (constant + linear d + quadratic d^2). A light whose coefficients were never set
+// would divide by zero; the floor keeps its black colour black.
+float attenuation(float constant, float linear, float quadratic, float d) {
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+}
+
+// What one directional light adds: no distance, so no attenuation.
+vec3 directional_light(DirectionalLight light, vec3 normal, vec3 view_dir,
+                       vec3 diffuse_texel, vec3 specular_texel) {
+    vec3 light_dir = unit(-light.dir);
+    float diffuse = max(dot(normal, light_dir), 0.0);
+    float specular = highlight(light_dir, normal, view_dir, u_specular_highlight_shininess);
+    return light.color * light.intensity * (diffuse * diffuse_texel + specular * specular_texel);
+}
+
+// What one point light adds. `normal` and `view_dir` are unit vectors away from the surface.
+vec3 point_light(PointLight light, vec3 frag_pos, vec3 normal, vec3 view_dir,
+                 vec3 diffuse_texel, vec3 specular_texel) {
+    vec3 offset = light.pos - frag_pos;
+    float d2 = dot(offset, offset);
+    float inverse_d = inversesqrt(max(d2, 1.0e-30)); // one root for direction and distance
+    vec3 light_dir = offset * inverse_d;
+
+    float diffuse = max(dot(normal, light_dir), 0.0);
+    float specular = highlight(light_dir, normal, view_dir, u_specular_highlight_shininess);
+
+    float weakening = attenuation(light.constant, light.linear, light.quadratic, d2 * inverse_d);
+    return light.color * (light.intensity * weakening) * (diffuse * diffuse_texel + specular * specular_texel);
 }
 
 void main() {
@@ -83,19 +133,18 @@ void main() {
 
     vec3 total = u_ambient.data.color * u_ambient.data.intensity * diffuse_texel;
 
-    int directional_count = min(u_directional_light_array.actually_used_count, DIRECTIONAL_LIGHT_MAX_NUM);
+    int directional_count = clamp(u_directional_light_array.actually_used_count, 0, DIRECTIONAL_LIGHT_MAX_NUM);
     for (int i = 0; i < directional_count; i++) {
-        DirectionalLight light = u_directional_light_array.data[i];
-        total += light.color * light.intensity
-               * phong(unit(-light.dir), normal, view_dir, diffuse_texel, specular_texel);
+        total += directional_light(u_directional_light_array.data[i], normal, view_dir,
+                                   diffuse_texel, specular_texel);
     }
 
-    int point_count = min(u_point_light_array.actually_used_count, POINT_LIGHT_MAX_NUM);
+    // The unused tail of the array is whatever the buffer held, so stop at the count,
+    // and never read past the array when the count is wrong.
+    int point_count = clamp(u_point_light_array.actually_used_count, 0, POINT_LIGHT_MAX_NUM);
     for (int i = 0; i < point_count; i++) {
-        PointLight light = u_point_light_array.data[i];
-        vec3 offset = light.pos - v_frag_pos;
-        total += light.color * (light.intensity * attenuation(light, length(offset)))
-               * phong(unit(offset), normal, view_dir, diffuse_texel, specular_texel);
+        total += point_light(u_point_light_array.data[i], v_frag_pos, normal, view_dir,
+                             diffuse_texel, specular_texel);
     }
 
     o_fragColor = vec4(total, 1.0);

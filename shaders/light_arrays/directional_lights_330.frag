@@ -4,7 +4,9 @@
 // DirectionalLightBlock: 128 lights, 32 bytes apart and without a hole between the
 // last two members, then the count at byte 4096; the buffer holds 4112 bytes.
 
+#ifndef DIRECTIONAL_LIGHT_MAX_NUM
 #define DIRECTIONAL_LIGHT_MAX_NUM 128
+#endif
 
 struct Ambient {
     vec3 color;      // offset 0
@@ -37,14 +39,39 @@ in vec2 v_uv;
 
 out vec4 o_fragColor;
 
-// Unit vector along v; the zero vector stays zero.
+// Unit vector along v. The zero vector stays zero where normalize() may give NaN.
 vec3 unit(vec3 v) {
     return v * inversesqrt(max(dot(v, v), 1.0e-30));
 }
 
-// x to the power n for a cosine x, defined for every x.
-float highlight(float x, float n) {
-    return x > 0.0 ? pow(min(x, 1.0), n) : 0.0;
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+float power(float m, float n) {
+    float x = 1.0 - m;
+    if (x <= 0.0) {
+        return 0.0;
+    }
+    int bits = int(min(n, 257.0));
+    if (bits <= 256 && float(bits) == n) {
+        float product = (bits & 1) == 1 ? x : 1.0;
+        for (bits >>= 1; bits > 0; bits >>= 1) {
+            x *= x;
+            product *= (bits & 1) == 1 ? x : 1.0;
+        }
+        return product;
+    }
+    float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * (m < 0.015625 ? series : -log(x)));
+}
+
+// Phong's highlight. The eye is mirrored, not the light: that is the same for all lights
+// of a fragment. 1 - cos is half the squared chord, which stays exact where the cosine is
+// nearly 1. A light behind the surface has no highlight.
+float highlight(vec3 light_dir, vec3 normal, vec3 view_dir, float shininess) {
+    vec3 chord = light_dir - reflect(-view_dir, normal);
+    float m = dot(normal, light_dir) > 0.0 ? 0.5 * dot(chord, chord) : 1.0;
+    return power(m, shininess);
 }
 
 // What one directional light adds: no distance, so no attenuation.
@@ -52,7 +79,7 @@ vec3 directional_light(DirectionalLight light, vec3 normal, vec3 view_dir,
                        vec3 diffuse_texel, vec3 specular_texel) {
     vec3 light_dir = unit(-light.dir);
     float diffuse = max(dot(normal, light_dir), 0.0);
-    float specular = highlight(dot(view_dir, reflect(-light_dir, normal)), u_specular_highlight_shininess);
+    float specular = highlight(light_dir, normal, view_dir, u_specular_highlight_shininess);
     return light.color * light.intensity * (diffuse * diffuse_texel + specular * specular_texel);
 }
 
@@ -64,8 +91,8 @@ void main() {
 
     vec3 total = u_ambient.data.color * u_ambient.data.intensity * diffuse_texel;
 
-    int count = min(u_directional_light_array.actually_used_count, DIRECTIONAL_LIGHT_MAX_NUM);
-    for (int i = 0; i < count; i++) {
+    int directional_count = clamp(u_directional_light_array.actually_used_count, 0, DIRECTIONAL_LIGHT_MAX_NUM);
+    for (int i = 0; i < directional_count; i++) {
         total += directional_light(u_directional_light_array.data[i], normal, view_dir,
                                    diffuse_texel, specular_texel);
     }

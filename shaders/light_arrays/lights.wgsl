@@ -85,35 +85,61 @@ fn unit(v: vec3f) -> vec3f {
     return v * inverseSqrt(max(dot(v, v), 1.0e-30));
 }
 
-// x to the power n for a cosine x, defined for every x.
-fn highlight(x: f32, n: f32) -> f32 {
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+fn power(m: f32, n: f32) -> f32 {
+    var x = 1.0 - m;
     if x <= 0.0 {
         return 0.0;
     }
-    return pow(min(x, 1.0), n);
+    var bits = i32(min(n, 257.0));
+    if bits <= 256 && f32(bits) == n {
+        var product = select(1.0, x, (bits & 1) == 1);
+        for (bits >>= 1u; bits > 0; bits >>= 1u) {
+            x *= x;
+            product *= select(1.0, x, (bits & 1) == 1);
+        }
+        return product;
+    }
+    let series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * select(-log(x), series, m < 0.015625));
 }
 
-// Diffuse plus specular reflection of a light of strength 1 that lies in direction `light_dir`.
-fn phong(light_dir: vec3f, normal: vec3f, view_dir: vec3f, diffuse_texel: vec3f, specular_texel: vec3f) -> vec3f {
-    let diffuse = max(dot(normal, light_dir), 0.0);
-    let specular = highlight(dot(view_dir, reflect(-light_dir, normal)), u_view.specular_highlight_shininess);
-    return diffuse * diffuse_texel + specular * specular_texel;
+// Phong's highlight. The eye is mirrored, not the light: that is the same for all lights
+// of a fragment. 1 - cos is half the squared chord, which stays exact where the cosine is
+// nearly 1. A light behind the surface has no highlight.
+fn highlight(light_dir: vec3f, normal: vec3f, view_dir: vec3f, shininess: f32) -> f32 {
+    let chord = light_dir - reflect(-view_dir, normal);
+    let m = select(1.0, 0.5 * dot(chord, chord), dot(normal, light_dir) > 0.0);
+    return power(m, shininess);
 }
 
 // 1 / (constant + linear d + quadratic d^2), kept finite when nothing has been set yet.
-fn attenuation(light: PointLight, d: f32) -> f32 {
-    return 1.0 / max(light.constant + d * (light.linear + light.quadratic * d), 1.0e-6);
+fn attenuation(constant: f32, linear: f32, quadratic: f32, d: f32) -> f32 {
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
 }
 
+// What one directional light adds: no distance, so no attenuation.
 fn directional_light(light: DirectionalLight, normal: vec3f, view_dir: vec3f, diffuse_texel: vec3f, specular_texel: vec3f) -> vec3f {
-    return light.color * light.intensity
-        * phong(unit(-light.dir), normal, view_dir, diffuse_texel, specular_texel);
+    let light_dir = unit(-light.dir);
+    let diffuse = max(dot(normal, light_dir), 0.0);
+    let specular = highlight(light_dir, normal, view_dir, u_view.specular_highlight_shininess);
+    return light.color * light.intensity * (diffuse * diffuse_texel + specular * specular_texel);
 }
 
+// What one point light adds. `normal` and `view_dir` are unit vectors away from the surface.
 fn point_light(light: PointLight, frag_pos: vec3f, normal: vec3f, view_dir: vec3f, diffuse_texel: vec3f, specular_texel: vec3f) -> vec3f {
     let offset = light.pos - frag_pos;
-    return light.color * (light.intensity * attenuation(light, length(offset)))
-        * phong(unit(offset), normal, view_dir, diffuse_texel, specular_texel);
+    let d2 = dot(offset, offset);
+    let inverse_d = inverseSqrt(max(d2, 1.0e-30)); // one root for direction and distance
+    let light_dir = offset * inverse_d;
+
+    let diffuse = max(dot(normal, light_dir), 0.0);
+    let specular = highlight(light_dir, normal, view_dir, u_view.specular_highlight_shininess);
+
+    let weakening = attenuation(light.constant, light.linear, light.quadratic, d2 * inverse_d);
+    return light.color * (light.intensity * weakening) * (diffuse * diffuse_texel + specular * specular_texel);
 }
 
 @fragment
@@ -125,12 +151,14 @@ fn fragment_main(in: Surface) -> @location(0) vec4f {
 
     var total = u_ambient.data.color * u_ambient.data.intensity * diffuse_texel;
 
-    let directional_count = min(u_directional_light_array.actually_used_count, DIRECTIONAL_LIGHT_MAX_NUM);
+    let directional_count = clamp(u_directional_light_array.actually_used_count, 0, DIRECTIONAL_LIGHT_MAX_NUM);
     for (var i = 0; i < directional_count; i++) {
         total += directional_light(u_directional_light_array.data[i], normal, view_dir, diffuse_texel, specular_texel);
     }
 
-    let point_count = min(u_point_light_array.actually_used_count, POINT_LIGHT_MAX_NUM);
+    // The unused tail of the array is whatever the buffer held, so stop at the count,
+    // and never read past the array when the count is wrong.
+    let point_count = clamp(u_point_light_array.actually_used_count, 0, POINT_LIGHT_MAX_NUM);
     for (var i = 0; i < point_count; i++) {
         total += point_light(u_point_light_array.data[i], in.frag_pos, normal, view_dir, diffuse_texel, specular_texel);
     }

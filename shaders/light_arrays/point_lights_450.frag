@@ -4,7 +4,9 @@
 // PointLightBlock: 128 lights, 48 bytes apart, then the count at byte 6144;
 // the buffer holds 6160 bytes. Member k of light i starts at 48 * i + offset(k).
 
+#ifndef POINT_LIGHT_MAX_NUM
 #define POINT_LIGHT_MAX_NUM 128
+#endif
 
 struct Ambient {
     vec3 color;      // offset 0, align 16
@@ -50,15 +52,40 @@ vec3 unit(vec3 v) {
     return v * inversesqrt(max(dot(v, v), 1.0e-30));
 }
 
-// x to the power n for a cosine x. Rounding can push a cosine past 1, and pow(0, 0) is undefined.
-float highlight(float x, float n) {
-    return x > 0.0 ? pow(min(x, 1.0), n) : 0.0;
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+float power(float m, float n) {
+    float x = 1.0 - m;
+    if (x <= 0.0) {
+        return 0.0;
+    }
+    int bits = int(min(n, 257.0));
+    if (bits <= 256 && float(bits) == n) {
+        float product = (bits & 1) == 1 ? x : 1.0;
+        for (bits >>= 1; bits > 0; bits >>= 1) {
+            x *= x;
+            product *= (bits & 1) == 1 ? x : 1.0;
+        }
+        return product;
+    }
+    float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * (m < 0.015625 ? series : -log(x)));
+}
+
+// Phong's highlight. The eye is mirrored, not the light: that is the same for all lights
+// of a fragment. 1 - cos is half the squared chord, which stays exact where the cosine is
+// nearly 1. A light behind the surface has no highlight.
+float highlight(vec3 light_dir, vec3 normal, vec3 view_dir, float shininess) {
+    vec3 chord = light_dir - reflect(-view_dir, normal);
+    float m = dot(normal, light_dir) > 0.0 ? 0.5 * dot(chord, chord) : 1.0;
+    return power(m, shininess);
 }
 
 // 1 / (constant + linear d + quadratic d^2). A light whose coefficients were never set
 // would divide by zero; the floor keeps its black colour black.
-float attenuation(PointLight light, float d) {
-    return 1.0 / max(light.constant + d * (light.linear + light.quadratic * d), 1.0e-6);
+float attenuation(float constant, float linear, float quadratic, float d) {
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
 }
 
 // What one point light adds. `normal` and `view_dir` are unit vectors away from the surface.
@@ -66,14 +93,14 @@ vec3 point_light(PointLight light, vec3 frag_pos, vec3 normal, vec3 view_dir,
                  vec3 diffuse_texel, vec3 specular_texel) {
     vec3 offset = light.pos - frag_pos;
     float d2 = dot(offset, offset);
-    float inverse_d = inversesqrt(max(d2, 1.0e-30));
+    float inverse_d = inversesqrt(max(d2, 1.0e-30)); // one root for direction and distance
     vec3 light_dir = offset * inverse_d;
 
     float diffuse = max(dot(normal, light_dir), 0.0);
-    float specular = highlight(dot(view_dir, reflect(-light_dir, normal)), u_specular_highlight_shininess);
+    float specular = highlight(light_dir, normal, view_dir, u_specular_highlight_shininess);
 
-    vec3 radiance = light.color * (light.intensity * attenuation(light, d2 * inverse_d));
-    return radiance * (diffuse * diffuse_texel + specular * specular_texel);
+    float weakening = attenuation(light.constant, light.linear, light.quadratic, d2 * inverse_d);
+    return light.color * (light.intensity * weakening) * (diffuse * diffuse_texel + specular * specular_texel);
 }
 
 void main() {
@@ -86,8 +113,8 @@ void main() {
 
     // The unused tail of the array is whatever the buffer held, so stop at the count,
     // and never read past the array when the count is wrong.
-    int count = min(u_point_light_array.actually_used_count, POINT_LIGHT_MAX_NUM);
-    for (int i = 0; i < count; i++) {
+    int point_count = clamp(u_point_light_array.actually_used_count, 0, POINT_LIGHT_MAX_NUM);
+    for (int i = 0; i < point_count; i++) {
         total += point_light(u_point_light_array.data[i], v_frag_pos, normal, view_dir,
                              diffuse_texel, specular_texel);
     }

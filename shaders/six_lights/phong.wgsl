@@ -118,15 +118,38 @@ fn unit(v: vec3f) -> vec3f {
     return v * inverseSqrt(max(dot(v, v), 1.0e-30));
 }
 
-// Phong's highlight: how well the mirrored light hits the eye, to the power `shininess`.
-fn highlight(toLight: vec3f, normal: vec3f, viewDir: vec3f) -> f32 {
-    let x = dot(viewDir, reflect(-toLight, normal));
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+fn power(m: f32, n: f32) -> f32 {
+    var x = 1.0 - m;
     if x <= 0.0 {
         return 0.0;
     }
-    return pow(min(x, 1.0), material.shininess);
+    var bits = i32(min(n, 257.0));
+    if bits <= 256 && f32(bits) == n {
+        var product = select(1.0, x, (bits & 1) == 1);
+        for (bits >>= 1u; bits > 0; bits >>= 1u) {
+            x *= x;
+            product *= select(1.0, x, (bits & 1) == 1);
+        }
+        return product;
+    }
+    let series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * select(-log(x), series, m < 0.015625));
 }
 
+// Phong's highlight: how well the mirrored eye sees the light, to the power `shininess`.
+// The eye is mirrored, not the light: that is the same for all lights of a fragment.
+// 1 - cos is half the squared chord, which stays exact where the cosine is nearly 1.
+// A light behind the surface has no highlight.
+fn highlight(toLight: vec3f, normal: vec3f, viewDir: vec3f, shininess: f32) -> f32 {
+    let chord = toLight - reflect(-viewDir, normal);
+    let m = select(1.0, 0.5 * dot(chord, chord), dot(normal, toLight) > 0.0);
+    return power(m, shininess);
+}
+
+// Horner's form: no d * d that could overflow before it is scaled down.
 fn attenuation(constant: f32, linear: f32, quadratic: f32, d: f32) -> f32 {
     return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
 }
@@ -142,22 +165,29 @@ fn cone(toLight: vec3f, direction: vec3f, cutOff: f32, outerCutOff: f32) -> f32 
 fn calcDirLight(light: DirLight, normal: vec3f, viewDir: vec3f, texels: Texels) -> vec3f {
     let toLight = unit(-light.direction);
     return (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * texels.diffuse
-        + light.specular * highlight(toLight, normal, viewDir) * texels.specular;
+        + light.specular * highlight(toLight, normal, viewDir, material.shininess) * texels.specular;
 }
 
 fn calcPointLight(light: PointLight, normal: vec3f, fragPos: vec3f, viewDir: vec3f, texels: Texels) -> vec3f {
     let path = light.position - fragPos;
-    let toLight = unit(path);
+    let d2 = dot(path, path);
+    let inverse = inverseSqrt(max(d2, 1.0e-30)); // one root for the direction and the distance
+    let toLight = path * inverse;
     let lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * texels.diffuse
-        + light.specular * highlight(toLight, normal, viewDir) * texels.specular;
-    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path));
+        + light.specular * highlight(toLight, normal, viewDir, material.shininess) * texels.specular;
+    return lit * attenuation(light.constant, light.linear, light.quadratic, d2 * inverse);
 }
 
 fn calcSpotLight(light: SpotLight, normal: vec3f, fragPos: vec3f, viewDir: vec3f, texels: Texels) -> vec3f {
     let path = light.position - fragPos;
-    let toLight = unit(path);
+    let d2 = dot(path, path);
+    let inverse = inverseSqrt(max(d2, 1.0e-30));
+    let toLight = path * inverse;
+    let inside = cone(toLight, light.direction, light.cutOff, light.outerCutOff);
+    if inside <= 0.0 {
+        return vec3f(); // most fragments are outside: nothing below is worth computing
+    }
     let lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * texels.diffuse
-        + light.specular * highlight(toLight, normal, viewDir) * texels.flashlight;
-    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path))
-        * cone(toLight, light.direction, light.cutOff, light.outerCutOff);
+        + light.specular * highlight(toLight, normal, viewDir, material.shininess) * texels.flashlight;
+    return lit * (inside * attenuation(light.constant, light.linear, light.quadratic, d2 * inverse));
 }

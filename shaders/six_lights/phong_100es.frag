@@ -56,9 +56,12 @@ GEOMETRY vec3 unit(GEOMETRY vec3 v) {
     return v * inversesqrt(max(dot(v, v), SMALL));
 }
 
-float highlight(GEOMETRY vec3 toLight, GEOMETRY vec3 normal, GEOMETRY vec3 viewDir) {
-    GEOMETRY float x = dot(viewDir, reflect(-toLight, normal));
-    return x > 0.0 ? pow(min(x, 1.0), material.shininess) : 0.0;
+// 1 - cos is half the squared chord. A light behind the surface has no highlight, and
+// pow(0, 0) is undefined.
+float highlight(GEOMETRY vec3 toLight, GEOMETRY vec3 normal, GEOMETRY vec3 viewDir, GEOMETRY float shininess) {
+    GEOMETRY vec3 chord = toLight - reflect(-viewDir, normal);
+    GEOMETRY float x = 1.0 - 0.5 * dot(chord, chord);
+    return x > 0.0 && dot(normal, toLight) > 0.0 ? pow(x, shininess) : 0.0;
 }
 
 vec3 CalcDirLight(DirLight light, GEOMETRY vec3 normal, GEOMETRY vec3 viewDir) {
@@ -66,7 +69,7 @@ vec3 CalcDirLight(DirLight light, GEOMETRY vec3 normal, GEOMETRY vec3 viewDir) {
     vec3 surface = texture2D(material.diffuse, TexCoords).rgb;
     vec3 gloss = texture2D(material.specular, TexCoords).rgb;
     return (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
-         + light.specular * highlight(toLight, normal, viewDir) * gloss;
+         + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
 }
 
 vec3 CalcPointLight(PointLight light, GEOMETRY vec3 normal, GEOMETRY vec3 fragPos, GEOMETRY vec3 viewDir) {
@@ -77,7 +80,7 @@ vec3 CalcPointLight(PointLight light, GEOMETRY vec3 normal, GEOMETRY vec3 fragPo
     vec3 surface = texture2D(material.diffuse, TexCoords).rgb;
     vec3 gloss = texture2D(material.specular, TexCoords).rgb;
     return ((light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
-            + light.specular * highlight(toLight, normal, viewDir) * gloss) / weakening;
+            + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss) / weakening;
 }
 
 void main() {

@@ -65,9 +65,31 @@ highp vec3 unit(highp vec3 v) {
     return v * inversesqrt(max(dot(v, v), 1.0e-30));
 }
 
-highp float highlight(highp vec3 toLight, highp vec3 normal, highp vec3 viewDir) {
-    highp float x = dot(viewDir, reflect(-toLight, normal));
-    return x > 0.0 ? pow(min(x, 1.0), material.shininess) : 0.0;
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring. Any
+// other n by exp(n log(1 - m)), the logarithm from m itself where m is small.
+highp float power(highp float m, highp float n) {
+    highp float x = 1.0 - m;
+    if (x <= 0.0) {
+        return 0.0;
+    }
+    int bits = int(min(n, 257.0));
+    if (bits <= 256 && float(bits) == n) {
+        highp float product = (bits & 1) == 1 ? x : 1.0;
+        for (bits >>= 1; bits > 0; bits >>= 1) {
+            x *= x;
+            product *= (bits & 1) == 1 ? x : 1.0;
+        }
+        return product;
+    }
+    highp float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * (m < 0.015625 ? series : -log(x)));
+}
+
+// 1 - cos is half the squared chord. A light behind the surface has no highlight.
+highp float highlight(highp vec3 toLight, highp vec3 normal, highp vec3 viewDir, highp float shininess) {
+    highp vec3 chord = toLight - reflect(-viewDir, normal);
+    highp float m = dot(normal, toLight) > 0.0 ? 0.5 * dot(chord, chord) : 1.0;
+    return power(m, shininess);
 }
 
 highp float attenuation(highp float constant, highp float linear, highp float quadratic, highp float d) {
@@ -86,27 +108,31 @@ vec3 CalcDirLight(DirLight light, highp vec3 normal, highp vec3 viewDir) {
     vec3 surface = texture(material.diffuse, TexCoords).rgb;
     vec3 gloss = texture(material.specular, TexCoords).rgb;
     return (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
-         + light.specular * highlight(toLight, normal, viewDir) * gloss;
+         + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
 }
 
 vec3 CalcPointLight(PointLight light, highp vec3 normal, highp vec3 fragPos, highp vec3 viewDir) {
     highp vec3 path = light.position - fragPos;
-    highp vec3 toLight = unit(path);
+    highp float d2 = dot(path, path);
+    highp float inverse = inversesqrt(max(d2, 1.0e-30));
+    highp vec3 toLight = path * inverse;
     vec3 surface = texture(material.diffuse, TexCoords).rgb;
     vec3 gloss = texture(material.specular, TexCoords).rgb;
     vec3 lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
-             + light.specular * highlight(toLight, normal, viewDir) * gloss;
-    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path));
+             + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
+    return lit * attenuation(light.constant, light.linear, light.quadratic, d2 * inverse);
 }
 
 vec3 CalcSpotLight(SpotLight light, highp vec3 normal, highp vec3 fragPos, highp vec3 viewDir) {
     highp vec3 path = light.position - fragPos;
-    highp vec3 toLight = unit(path);
+    highp float d2 = dot(path, path);
+    highp float inverse = inversesqrt(max(d2, 1.0e-30));
+    highp vec3 toLight = path * inverse;
     vec3 surface = texture(material.diffuse, TexCoords).rgb;
     vec3 gloss = texture(material.specular, TexCoords).rgb;
     vec3 lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
-             + light.specular * highlight(toLight, normal, viewDir) * gloss;
-    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path))
+             + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
+    return lit * attenuation(light.constant, light.linear, light.quadratic, d2 * inverse)
                * cone(toLight, light.direction, light.cutOff, light.outerCutOff);
 }
 

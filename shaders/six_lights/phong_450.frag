@@ -89,10 +89,35 @@ void main() {
     FragColor = vec4(sum, 1.0);
 }
 
-// Phong's highlight: how well the mirrored light hits the eye, to the power `shininess`.
-float highlight(vec3 toLight, vec3 normal, vec3 viewDir) {
-    float x = dot(viewDir, reflect(-toLight, normal));
-    return x > 0.0 ? pow(min(x, 1.0), material.shininess) : 0.0;
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+float power(float m, float n) {
+    float x = 1.0 - m;
+    if (x <= 0.0) {
+        return 0.0;
+    }
+    int bits = int(min(n, 257.0));
+    if (bits <= 256 && float(bits) == n) {
+        float product = (bits & 1) == 1 ? x : 1.0;
+        for (bits >>= 1; bits > 0; bits >>= 1) {
+            x *= x;
+            product *= (bits & 1) == 1 ? x : 1.0;
+        }
+        return product;
+    }
+    float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * (m < 0.015625 ? series : -log(x)));
+}
+
+// Phong's highlight: how well the mirrored eye sees the light, to the power `shininess`.
+// The eye is mirrored, not the light: that is the same for all lights of a fragment.
+// 1 - cos is half the squared chord, which stays exact where the cosine is nearly 1.
+// A light behind the surface has no highlight.
+float highlight(vec3 toLight, vec3 normal, vec3 viewDir, float shininess) {
+    vec3 chord = toLight - reflect(-viewDir, normal);
+    float m = dot(normal, toLight) > 0.0 ? 0.5 * dot(chord, chord) : 1.0;
+    return power(m, shininess);
 }
 
 // Horner's form: no d * d that could overflow before it is scaled down.
@@ -115,26 +140,33 @@ vec3 CalcDirLight(DirLight light, vec3 normal, vec3 viewDir) {
     vec3 surface = texture(materialDiffuse, TexCoords).rgb;
     vec3 gloss = texture(materialSpecular, TexCoords).rgb;
     return (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
-         + light.specular * highlight(toLight, normal, viewDir) * gloss;
+         + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
 }
 
 vec3 CalcPointLight(PointLight light, vec3 normal, vec3 fragPos, vec3 viewDir) {
     vec3 path = light.position - fragPos;
-    vec3 toLight = unit(path);
+    float d2 = dot(path, path);
+    float inverse = inversesqrt(max(d2, 1.0e-30)); // one root for the direction and the distance
+    vec3 toLight = path * inverse;
     vec3 surface = texture(materialDiffuse, TexCoords).rgb;
     vec3 gloss = texture(materialSpecular, TexCoords).rgb;
     vec3 lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
-             + light.specular * highlight(toLight, normal, viewDir) * gloss;
-    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path));
+             + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
+    return lit * attenuation(light.constant, light.linear, light.quadratic, d2 * inverse);
 }
 
 vec3 CalcSpotLight(SpotLight light, vec3 normal, vec3 fragPos, vec3 viewDir) {
     vec3 path = light.position - fragPos;
-    vec3 toLight = unit(path);
+    float d2 = dot(path, path);
+    float inverse = inversesqrt(max(d2, 1.0e-30));
+    vec3 toLight = path * inverse;
     vec3 surface = texture(materialDiffuse, TexCoords).rgb;
     vec3 gloss = texture(materialFlashlight, TexCoords).rgb;
+    float inside = cone(toLight, light.direction, light.cutOff, light.outerCutOff);
+    if (inside <= 0.0) {
+        return vec3(0.0); // most fragments are outside: nothing below is worth computing
+    }
     vec3 lit = (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
-             + light.specular * highlight(toLight, normal, viewDir) * gloss;
-    return lit * attenuation(light.constant, light.linear, light.quadratic, length(path))
-               * cone(toLight, light.direction, light.cutOff, light.outerCutOff);
+             + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
+    return lit * (inside * attenuation(light.constant, light.linear, light.quadratic, d2 * inverse));
 }

@@ -91,11 +91,28 @@ fn unit(v: vec3f) -> vec3f {
     return v * inverseSqrt(max(dot(v, v), 1.0e-30));
 }
 
-// x to the power 10 by squaring: cheaper than pow and defined at 0.
-fn highlight(x: f32) -> f32 {
+// Phong's highlight to the power 10. The eye is mirrored, not the light: that is the same
+// for all lights of a fragment. 1 - cos is half the squared chord, which stays exact where
+// the cosine is nearly 1, and squarings are cheaper than pow and defined at 0. A light
+// behind the surface has no highlight.
+fn highlight(toLight: vec3f, normal: vec3f, toEye: vec3f) -> f32 {
+    let chord = toLight - reflect(-toEye, normal);
+    let x = select(0.0, max(1.0 - 0.5 * dot(chord, chord), 0.0), dot(normal, toLight) > 0.0);
     let x2 = x * x;
     let x4 = x2 * x2;
     return x4 * x4 * x2;
+}
+
+// 1 / (constant + linear d + exponent d^2), kept finite when nothing has been set yet.
+fn attenuation(constant: f32, linear: f32, exponent: f32, d: f32) -> f32 {
+    return 1.0 / max(constant + d * (linear + exponent * d), 1.0e-6);
+}
+
+// 1 on the axis, falling to 0 at the cone, linear in the cosine.
+fn cone(toLight: vec3f, conedir: vec3f, cutoff: f32) -> f32 {
+    let chord = toLight + unit(conedir);
+    let offAxis = 0.5 * dot(chord, chord); // 1 - cos, exact near the axis
+    return max(1.0 - offAxis / max(1.0 - cutoff, 1.0e-9), 0.0);
 }
 
 fn calcAmbient(light: AmbientLight, materialAmbient: vec4f) -> vec4f {
@@ -106,30 +123,26 @@ fn calcAmbient(light: AmbientLight, materialAmbient: vec4f) -> vec4f {
 fn calcLightColor(mat: Material, lightColor: vec3f, intensity: f32, position: vec3f, toLight: vec3f, normal: vec3f) -> vec4f {
     var sum = mat.diffuse * max(dot(normal, toLight), 0.0);
     if mat.reflectance > 0.0 {
-        let toEye = unit(lights.cameraPosition - position);
-        sum += mat.specular * highlight(clamp(dot(toEye, reflect(-toLight, normal)), 0.0, 1.0));
+        sum += mat.specular * highlight(toLight, normal, unit(lights.cameraPosition - position));
     }
     return vec4f(lightColor, 1.0) * intensity * sum;
 }
 
 fn calcPointLight(mat: Material, light: PointLight, position: vec3f, normal: vec3f) -> vec4f {
     let path = light.position - position;
-    let d = length(path);
-    let weakening = light.att.constant + d * (light.att.linear + light.att.exponent * d);
-    return calcLightColor(mat, light.color, light.intensity, position, unit(path), normal)
-        / max(weakening, 1.0e-6);
+    let d2 = dot(path, path);
+    let inverse = inverseSqrt(max(d2, 1.0e-30)); // one root for the direction and the distance
+    let weakening = attenuation(light.att.constant, light.att.linear, light.att.exponent, d2 * inverse);
+    return calcLightColor(mat, light.color, light.intensity, position, path * inverse, normal) * weakening;
 }
 
-// A point light inside a cone: 1 on the axis, falling to 0 at the cone, linear in the cosine.
+// A point light inside a cone.
 fn calcSpotLight(mat: Material, light: SpotLight, position: vec3f, normal: vec3f) -> vec4f {
-    let fromLight = unit(position - light.pl.position);
-    let chord = fromLight - unit(light.conedir);
-    let offAxis = 0.5 * dot(chord, chord); // 1 - cos, exact near the axis
-    let factor = 1.0 - offAxis / max(1.0 - light.cutoff, 1.0e-9);
-    if factor <= 0.0 {
+    let inside = cone(unit(light.pl.position - position), light.conedir, light.cutoff);
+    if inside <= 0.0 {
         return vec4f();
     }
-    return calcPointLight(mat, light.pl, position, normal) * factor;
+    return calcPointLight(mat, light.pl, position, normal) * inside;
 }
 
 fn calcDirLight(mat: Material, light: DirLight, position: vec3f, normal: vec3f) -> vec4f {

@@ -6,7 +6,6 @@
 
 const int MAX_POINT_LIGHTS = 5;
 const int MAX_SPOT_LIGHTS = 5;
-const float SPECULAR_POWER = 10.0;
 
 layout(location = 0) in vec3 outPosition;
 layout(location = 1) in vec3 outNormal;
@@ -76,12 +75,31 @@ vec3 unit(vec3 v)
     return v * inversesqrt(max(dot(v, v), 1.0e-30));
 }
 
-// x to the power SPECULAR_POWER, by squaring: cheaper than pow and defined at 0.
-float highlight(float x)
+// Phong's highlight to the power 10. The eye is mirrored, not the light: that is the same
+// for all lights of a fragment. 1 - cos is half the squared chord, which stays exact where
+// the cosine is nearly 1, and squarings are cheaper than pow and defined at 0. A light
+// behind the surface has no highlight.
+float highlight(vec3 toLight, vec3 normal, vec3 toEye)
 {
+    vec3 chord = toLight - reflect(-toEye, normal);
+    float x = dot(normal, toLight) > 0.0 ? max(1.0 - 0.5 * dot(chord, chord), 0.0) : 0.0;
     float x2 = x * x;
     float x4 = x2 * x2;
     return x4 * x4 * x2;
+}
+
+// 1 / (constant + linear d + exponent d^2), kept finite when nothing has been set yet.
+float attenuation(float constant, float linear, float exponent, float d)
+{
+    return 1.0 / max(constant + d * (linear + exponent * d), 1.0e-6);
+}
+
+// 1 on the axis, falling to 0 at the cone, linear in the cosine.
+float cone(vec3 toLight, vec3 conedir, float cutoff)
+{
+    vec3 chord = toLight + unit(conedir);
+    float offAxis = 0.5 * dot(chord, chord); // 1 - cos, exact near the axis
+    return max(1.0 - offAxis / max(1.0 - cutoff, 1.0e-9), 0.0);
 }
 
 vec4 calcAmbient(AmbientLight light, vec4 materialAmbient)
@@ -92,12 +110,10 @@ vec4 calcAmbient(AmbientLight light, vec4 materialAmbient)
 // Diffuse and specular reflection of a light without its attenuation.
 vec4 calcLightColor(Material mat, vec3 lightColor, float intensity, vec3 position, vec3 toLight, vec3 normal)
 {
-    float facing = max(dot(normal, toLight), 0.0);
-    vec4 sum = mat.diffuse * facing;
+    vec4 sum = mat.diffuse * max(dot(normal, toLight), 0.0);
     if (mat.reflectance > 0.0)
     {
-        vec3 toEye = unit(cameraPosition - position);
-        sum += mat.specular * highlight(clamp(dot(toEye, reflect(-toLight, normal)), 0.0, 1.0));
+        sum += mat.specular * highlight(toLight, normal, unit(cameraPosition - position));
     }
     return vec4(lightColor, 1.0) * intensity * sum;
 }
@@ -105,24 +121,21 @@ vec4 calcLightColor(Material mat, vec3 lightColor, float intensity, vec3 positio
 vec4 calcPointLight(Material mat, PointLight light, vec3 position, vec3 normal)
 {
     vec3 path = light.position - position;
-    float d = length(path);
-    float weakening = light.att.constant + d * (light.att.linear + light.att.exponent * d);
-    return calcLightColor(mat, light.color, light.intensity, position, unit(path), normal)
-         / max(weakening, 1.0e-6);
+    float d2 = dot(path, path);
+    float inverse = inversesqrt(max(d2, 1.0e-30)); // one root for the direction and the distance
+    float weakening = attenuation(light.att.constant, light.att.linear, light.att.exponent, d2 * inverse);
+    return calcLightColor(mat, light.color, light.intensity, position, path * inverse, normal) * weakening;
 }
 
-// A point light inside a cone: 1 on the axis, falling to 0 at the cone, linear in the cosine.
+// A point light inside a cone.
 vec4 calcSpotLight(Material mat, SpotLight light, vec3 position, vec3 normal)
 {
-    vec3 fromLight = unit(position - light.pl.position);
-    vec3 chord = fromLight - unit(light.conedir);
-    float offAxis = 0.5 * dot(chord, chord); // 1 - cos, exact near the axis
-    float factor = 1.0 - offAxis / max(1.0 - light.cutoff, 1.0e-9);
-    if (factor <= 0.0)
+    float inside = cone(unit(light.pl.position - position), light.conedir, light.cutoff);
+    if (inside <= 0.0)
     {
         return vec4(0.0);
     }
-    return calcPointLight(mat, light.pl, position, normal) * factor;
+    return calcPointLight(mat, light.pl, position, normal) * inside;
 }
 
 vec4 calcDirLight(Material mat, DirLight light, vec3 position, vec3 normal)

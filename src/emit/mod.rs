@@ -5,7 +5,9 @@
 //! [`between`] between them, then [`closing`], so that no more than one shader
 //! need be in memory; [`document`] is all of it for one.
 
+pub mod bind;
 pub mod c;
+pub mod compare;
 pub mod coverage;
 mod csv;
 pub mod devices;
@@ -21,6 +23,7 @@ mod markdown;
 mod paint;
 mod place;
 pub mod plan;
+pub mod render;
 pub mod run;
 pub mod rust;
 mod table;

@@ -3,15 +3,20 @@
 //! A [`Scene`] is read from JSON (`scene`) and made two things in double precision: the
 //! [`Frame`], the fragments of its picture, and the [`Upload`], its lights and materials as a
 //! shader gets them, in `f32`. A shader lights the fragments on some reader; the `reference`
-//! does it in `f64` from the same bits.
+//! does it in `f64` from the same bits. Apart from scenes, [`roles`] says which structures of a
+//! shader are lights.
 
+pub mod bind;
 pub mod compiled;
 pub mod frame;
 pub mod reference;
+pub mod render;
+pub mod roles;
 pub mod sample;
 pub mod scene;
 pub mod skip;
 pub mod upload;
+mod words;
 
 pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};
 pub use scene::Scene;

@@ -11,6 +11,7 @@ pub mod call;
 pub mod coverage;
 pub mod devices;
 pub mod eval;
+pub mod fragments;
 #[cfg(feature = "gl")]
 pub mod gl;
 mod glsl;

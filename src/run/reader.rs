@@ -113,6 +113,17 @@ pub enum ResourceKind {
     },
     /// The sampler beside a texture: nearest, repeating.
     Sampler,
+    /// OpenGL's uniforms outside of blocks; other readers have them in a block and ignore this.
+    Loose(Vec<LooseUniform>),
+}
+
+/// A uniform outside of blocks.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LooseUniform {
+    /// One element as OpenGL spells it: `lights[2].color`.
+    pub name: String,
+    /// Its components, column by column, 32 bits each.
+    pub words: Vec<u32>,
 }
 
 /// What came back.

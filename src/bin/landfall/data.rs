@@ -12,14 +12,27 @@ use crate::read;
 /// What blocks hold: an object on the command line, or the file of that name.
 pub fn blocks(text: Option<&str>) -> Result<Data, Error> {
     let Some(text) = text else { return Ok(Data::new()) };
+    let help = |error: Error| match error.help {
+        None if error.message == NO_OBJECT => {
+            Error::new(error.path, "is no object of blocks by name")
+                .with_help("write `{\"Lights\": {\"count\": 1}}`")
+        }
+        Some(_) | None => error,
+    };
+    object("--data", text).map_err(help)
+}
+
+const NO_OBJECT: &str = "is no JSON object";
+
+/// An object on the command line, or in the file of that name.
+pub fn object(option: &str, text: &str) -> Result<Data, Error> {
     let (about, json) = match text.trim_start().starts_with('{') {
-        true => ("--data".to_string(), text.to_string()),
+        true => (option.to_string(), text.to_string()),
         false => (read::shown(Path::new(text)), read::text(Path::new(text))?),
     };
     match value(&about, &json)? {
         Value::Object(map) => Ok(map),
-        _ => Err(Error::new(about, "is no object of blocks by name")
-            .with_help("write `{\"Lights\": {\"count\": 1}}`")),
+        _ => Err(Error::new(about, NO_OBJECT)),
     }
 }
 

@@ -23,6 +23,7 @@ mod read;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 mod reader;
 mod readers;
+mod render;
 mod rule;
 mod run;
 mod schema;
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         Command::Decode(args) => decode::run(args, &streams),
         Command::Verify(args) => verify::run(args, &streams),
         Command::Run(args) => run::run(args, &streams),
+        Command::Render(args) => render::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

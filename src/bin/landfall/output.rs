@@ -189,6 +189,11 @@ impl Streams {
         !self.quiet && io::stderr().is_terminal() && !io::stdout().is_terminal()
     }
 
+    /// Whether anybody would see progress before the product, which may go to the same terminal.
+    pub fn shows_progress_first(&self) -> bool {
+        !self.quiet && io::stderr().is_terminal()
+    }
+
     /// Writes a line of progress over the last one.
     pub fn progress(&self, text: &str) {
         *self.progress.borrow_mut() = true;

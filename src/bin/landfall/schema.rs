@@ -10,6 +10,7 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Layout => emit::LAYOUT_SCHEMA,
         Schema::Explain => emit::EXPLAIN_SCHEMA,
         Schema::Check => emit::CHECK_SCHEMA,
+        Schema::Render => emit::render::RENDER_SCHEMA,
         Schema::Run => emit::run::RUN_SCHEMA,
         Schema::Verify => emit::verify::VERIFY_SCHEMA,
         Schema::Devices => emit::DEVICES_SCHEMA,

@@ -16,6 +16,15 @@ pub(super) fn tile(batch: usize, across: usize) -> [[u32; 2]; LANES] {
     })
 }
 
+/// The pixels of a batch in the order of the image.
+pub(super) fn row(batch: usize, width: u32) -> [[u32; 2]; LANES] {
+    let width = u64::from(width.max(1));
+    std::array::from_fn(|lane| {
+        let at = (batch * LANES + lane) as u64;
+        [(at % width) as u32, (at / width) as u32]
+    })
+}
+
 /// What three vertices gave.
 pub(super) struct Triangle {
     /// In clip space.

@@ -10,7 +10,7 @@ use super::call::Numbers;
 use super::code::LANES;
 use super::interface::{Plug, Port};
 use super::machine::Machine;
-use super::pixels::{Triangle, tile};
+use super::pixels::{Triangle, row, tile};
 use super::program::{BufferSpace, Program};
 use super::real::{Real, Shadow};
 use super::stage::{
@@ -260,7 +260,7 @@ fn split(number: usize, size: [u32; 3]) -> [u32; 3] {
     [(number % x) as u32, (number / x % y) as u32, (number / x / y) as u32]
 }
 
-/// An image, in tiles of eight by eight.
+/// An image, in tiles of eight by eight, or by rows if it has few.
 fn image<R: Real>(
     program: &Program,
     entry: &str,
@@ -274,16 +274,22 @@ fn image<R: Real>(
     let interface = code.interface.as_ref().expect("an entry point has an interface");
     let bound = program.bind(number, &job.resources)?;
     let helpers = program.uses(number).derivatives;
-    let across = width.div_ceil(8) as usize;
-    let batches = across.checked_mul(height.div_ceil(8) as usize);
     let pixels = (width as usize).checked_mul(height as usize).filter(|&n| n <= 1 << 28);
+    // Rows, where tiles would stay half empty and nobody compares neighbours.
+    let rows = height < 8 && !helpers;
+    let across = width.div_ceil(8) as usize;
+    let batches = match rows {
+        true => pixels.map(|pixels| pixels.div_ceil(LANES)),
+        false => across.checked_mul(height.div_ceil(8) as usize),
+    };
+    let places = |batch| if rows { row(batch, width) } else { tile(batch, across) };
     let (Some(batches), Some(pixels)) = (batches, pixels) else {
         let message = format!("an image of {width} by {height} pixels is too large");
         return Err(failure(FailureKind::Refused, message));
     };
     let first = interface.outputs.iter().find(|plug| plug.port == Port::Location(0));
     let outcome = program.drive::<R, Tile>(&bound, batches, settings, |m, batch| {
-        let places = tile(batch, across);
+        let places = places(batch);
         let mut inside = 0u64;
         for (lane, [x, y]) in places.iter().enumerate() {
             inside |= u64::from(*x < width && *y < height) << lane;
@@ -305,7 +311,7 @@ fn image<R: Real>(
     })?;
     let mut all = vec![[0; 4]; pixels];
     for (batch, (numbers, written)) in outcome.results.iter().enumerate() {
-        for (lane, [x, y]) in tile(batch, across).into_iter().enumerate() {
+        for (lane, [x, y]) in places(batch).into_iter().enumerate() {
             if written >> lane & 1 == 1 {
                 all[y as usize * width as usize + x as usize] = pixel(numbers, lane);
             }

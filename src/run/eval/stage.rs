@@ -251,7 +251,10 @@ impl Program {
                 (ResourceKind::Uniform(_), BufferSpace::Uniform)
                 | (ResourceKind::PushConstant(_), BufferSpace::PushConstant)
                 | (ResourceKind::Storage { .. }, BufferSpace::Storage { .. }) => true,
-                (ResourceKind::Texture { .. } | ResourceKind::Sampler, _)
+                (
+                    ResourceKind::Texture { .. } | ResourceKind::Sampler | ResourceKind::Loose(_),
+                    _,
+                )
                 | (ResourceKind::Uniform(_), _)
                 | (ResourceKind::PushConstant(_), _)
                 | (ResourceKind::Storage { .. }, _) => false,

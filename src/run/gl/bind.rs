@@ -7,6 +7,7 @@
 use glow::HasContext as _;
 
 use super::context::{Context, ContextKind};
+use super::loose;
 use super::program::{ActiveBlock, Program};
 use crate::run::limits::{exceeds, twice};
 use crate::run::reader::{Failure, Resource, ResourceKind};
@@ -67,7 +68,7 @@ pub(super) fn check(context: &Context, resources: &[Resource]) -> Result<(), Fai
                     return Err(Failure::refused(message, ""));
                 }
             }
-            ResourceKind::Sampler => {}
+            ResourceKind::Sampler | ResourceKind::Loose(_) => {}
         }
     }
     Ok(())
@@ -137,7 +138,8 @@ impl<'c> Bound<'c> {
                 | ResourceKind::Uniform(_)
                 | ResourceKind::Storage { .. }
                 | ResourceKind::PushConstant(_)
-                | ResourceKind::Sampler => None,
+                | ResourceKind::Sampler
+                | ResourceKind::Loose(_) => None,
             });
             let (width, height, texels) = found.ok_or_else(|| unbound("sampler", sampler))?;
             bound.texture(unit, (width, height), texels)?;
@@ -145,6 +147,11 @@ impl<'c> Bound<'c> {
             unsafe {
                 let location = context.gl.get_uniform_location(program.id, sampler);
                 context.gl.uniform_1_i32(location.as_ref(), unit.cast_signed());
+            }
+        }
+        for resource in resources {
+            if let ResourceKind::Loose(uniforms) = &resource.kind {
+                loose::set(context, program, uniforms)?;
             }
         }
         Ok(bound)
@@ -280,7 +287,7 @@ fn large_enough(block: &ActiveBlock, bytes: usize) -> Result<(), Failure> {
     Err(Failure::refused(message, ""))
 }
 
-fn unbound(what: &str, name: &str) -> Failure {
+pub(super) fn unbound(what: &str, name: &str) -> Failure {
     let message = format!("the shader reads the {what} `{name}`, and nothing is bound to it");
     Failure::refused(message, "")
 }

@@ -10,6 +10,7 @@
 mod bind;
 mod context;
 mod interface;
+mod loose;
 mod program;
 mod reflect;
 mod run;

@@ -24,6 +24,8 @@ pub(super) struct Program {
     pub(super) storage_blocks: Vec<ActiveBlock>,
     /// Active samplers, each element of an array by itself.
     pub(super) samplers: Vec<String>,
+    /// Active uniforms outside of blocks that are no samplers, each element by itself.
+    pub(super) loose: Vec<ActiveUniform>,
     /// Whether its vertex shader is ours and wants corners at location 0.
     pub(super) takes_corners: bool,
 }
@@ -36,6 +38,15 @@ pub(super) struct ActiveBlock {
     pub(super) size: u64,
     /// Where the text binds it.
     pub(super) binding: u32,
+}
+
+/// A uniform outside of blocks.
+pub(super) struct ActiveUniform {
+    /// OpenGL's name: `lights[2].color`.
+    pub(super) name: String,
+    /// OpenGL's number of its type.
+    pub(super) ty: u32,
+    pub(super) location: glow::UniformLocation,
 }
 
 /// What stands in for the stages a set of texts lacks.
@@ -144,6 +155,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
             uniform_blocks: reflect::uniform_blocks(context, id)?,
             storage_blocks: reflect::storage_blocks(context, id)?,
             samplers: reflect::samplers(context, id)?,
+            loose: reflect::loose(context, id)?,
             takes_corners,
         };
         making.kept = true;

@@ -6,7 +6,7 @@
 #![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
 
 use super::context::Context;
-use super::program::ActiveBlock;
+use super::program::{ActiveBlock, ActiveUniform};
 use super::types::{is_sampler, word};
 use crate::run::reader::Failure;
 use crate::run::reflection::{ReflectedBlock, ReflectedMember, ReflectedUniform, Reflection};
@@ -100,6 +100,29 @@ pub(super) fn samplers(context: &Context, program: glow::Program) -> Result<Vec<
         }
     }
     Ok(names)
+}
+
+/// The active uniforms outside of blocks that are no samplers, each element by itself.
+pub(super) fn loose(
+    context: &Context,
+    program: glow::Program,
+) -> Result<Vec<ActiveUniform>, Failure> {
+    let mut found = Vec::new();
+    let active = Uniforms::of(context, program)?;
+    let outside = active.all.into_iter().zip(active.block).filter(|(_, block)| *block < 0);
+    for (uniform, _) in outside.filter(|(uniform, _)| !is_sampler(uniform.utype)) {
+        let names = match uniform.name.strip_suffix("[0]") {
+            Some(array) => (0..uniform.size).map(|at| format!("{array}[{at}]")).collect(),
+            None => vec![uniform.name],
+        };
+        for name in names {
+            // SAFETY: the program is linked. State of the language's own has no location.
+            let location = unsafe { context.gl.get_uniform_location(program, &name) };
+            let ty = uniform.utype;
+            found.extend(location.map(|location| ActiveUniform { name, ty, location }));
+        }
+    }
+    Ok(found)
 }
 
 /// The active uniforms, those of blocks too, and the facts about them.

@@ -227,7 +227,8 @@ fn key(job: &Job) -> Result<Key, Failure> {
         ResourceKind::Uniform(_)
         | ResourceKind::Storage { .. }
         | ResourceKind::Texture { .. }
-        | ResourceKind::Sampler => 0,
+        | ResourceKind::Sampler
+        | ResourceKind::Loose(_) => 0,
     });
     let immediates = immediates.sum::<usize>().try_into().unwrap_or(u32::MAX);
     Ok(Key { stages, bindings, immediates, target })
@@ -239,7 +240,7 @@ fn binding(resource: &Resource) -> Option<(u32, u32, Binding)> {
         ResourceKind::Storage { writable, .. } => Binding::Storage { writable: *writable },
         ResourceKind::Texture { .. } => Binding::Texture,
         ResourceKind::Sampler => Binding::Sampler,
-        ResourceKind::PushConstant(_) => return None,
+        ResourceKind::PushConstant(_) | ResourceKind::Loose(_) => return None,
     };
     Some((resource.group, resource.binding, kind))
 }

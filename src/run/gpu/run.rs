@@ -56,12 +56,13 @@ fn check(open: &Open, limits: &Limits, job: &Job) -> Result<(), Failure> {
         let before = &job.resources[..at];
         let Resource { name, group, binding, kind } = resource;
         let pushes = |r: &Resource| matches!(r.kind, ResourceKind::PushConstant(_));
+        let placed = |r: &Resource| !pushes(r) && !matches!(r.kind, ResourceKind::Loose(_));
         if pushes(resource) {
             if before.iter().any(pushes) {
                 return Err(twice("the push constants"));
             }
-        } else {
-            let here = |r: &&Resource| !pushes(r) && (r.group, r.binding) == (*group, *binding);
+        } else if placed(resource) {
+            let here = |r: &&Resource| placed(r) && (r.group, r.binding) == (*group, *binding);
             if let Some(other) = before.iter().find(here) {
                 let place =
                     format!("group {group}, binding {binding} (`{}`, `{name}`)", other.name);
@@ -108,7 +109,7 @@ fn check(open: &Open, limits: &Limits, job: &Job) -> Result<(), Failure> {
                     return Err(Failure::refused(message, ""));
                 }
             }
-            ResourceKind::Sampler => {}
+            ResourceKind::Sampler | ResourceKind::Loose(_) => {}
         }
     }
     match job.grid {
@@ -134,7 +135,8 @@ enum Thing {
     },
     Texture(TextureView),
     Sampler(Sampler),
-    Immediates,
+    /// Immediates, and what wgpu does not know.
+    Unplaced,
 }
 
 impl Thing {
@@ -153,7 +155,7 @@ impl Thing {
                 let back = writable.then_some(bytes.len());
                 Thing::Buffer { buffer: filled(open, bytes, usage), bound, back }
             }
-            ResourceKind::PushConstant(_) => Thing::Immediates,
+            ResourceKind::PushConstant(_) | ResourceKind::Loose(_) => Thing::Unplaced,
             ResourceKind::Texture { width, height, texels } => {
                 let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
                 let texture = image(open, (*width, *height), TextureFormat::Rgba32Float, usage);
@@ -232,7 +234,7 @@ fn bind(
                     }
                     Thing::Texture(view) => BindingResource::TextureView(view),
                     Thing::Sampler(sampler) => BindingResource::Sampler(sampler),
-                    Thing::Immediates => return None,
+                    Thing::Unplaced => return None,
                 };
                 Some(BindGroupEntry { binding: resource.binding, resource: resource_bound })
             })
@@ -267,7 +269,8 @@ fn record(
         ResourceKind::Uniform(_)
         | ResourceKind::Storage { .. }
         | ResourceKind::Texture { .. }
-        | ResourceKind::Sampler => None,
+        | ResourceKind::Sampler
+        | ResourceKind::Loose(_) => None,
     });
     let (size, texel, vertices) = match job.grid {
         Grid::Groups([x, y, z]) => {
@@ -346,7 +349,7 @@ impl Back {
             Thing::Buffer { back: None, .. }
             | Thing::Texture(_)
             | Thing::Sampler(_)
-            | Thing::Immediates => None,
+            | Thing::Unplaced => None,
         });
         let buffers = buffers.collect();
         let image = image.map(|texture| {

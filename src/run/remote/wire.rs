@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::frame::{Blob, Frame, invalid};
 use crate::run::Module;
 use crate::run::devices::{Found, Limits};
-use crate::run::reader::{Answer, Device, Failure, Grid, Job, Resource, ResourceKind, StageCode};
+use crate::run::reader::{
+    Answer, Device, Failure, Grid, Job, LooseUniform, Resource, ResourceKind, StageCode,
+};
 use crate::source::Stage;
 
 /// What is asked of the process that runs jobs.
@@ -79,6 +81,7 @@ enum WireKind {
     PushConstant(Blob),
     Texture { width: u32, height: u32, texels: Blob },
     Sampler,
+    Loose(Vec<LooseUniform>),
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -140,6 +143,7 @@ impl WireJob {
                     ),
                 },
                 ResourceKind::Sampler => WireKind::Sampler,
+                ResourceKind::Loose(uniforms) => WireKind::Loose(uniforms.clone()),
             },
         });
         Ok(WireJob { stages, resources: resources.collect(), grid: job.grid, limit: job.limit })
@@ -180,6 +184,7 @@ impl WireJob {
                     ResourceKind::Texture { width, height, texels: texels.collect() }
                 }
                 WireKind::Sampler => ResourceKind::Sampler,
+                WireKind::Loose(uniforms) => ResourceKind::Loose(uniforms),
             };
             resources.push(Resource { name, group, binding, kind });
         }

@@ -64,13 +64,16 @@ pub(in crate::run) fn vertex(of: &Source, options: &ReadOptions) -> String {
 }
 
 /// A statement outside of functions.
-struct Statement {
+pub(in crate::run) struct Statement {
     /// Tokens it has.
-    end: usize,
-    function: bool,
+    pub end: usize,
+    pub function: bool,
 }
 
-fn statement<'t>(tokens: &[RawToken], word: &impl Fn(&RawToken) -> &'t str) -> Statement {
+pub(in crate::run) fn statement<'t>(
+    tokens: &[RawToken],
+    word: &impl Fn(&RawToken) -> &'t str,
+) -> Statement {
     let (mut depth, mut function) = (0u32, false);
     let mut before = "";
     for (nth, token) in tokens.iter().enumerate() {

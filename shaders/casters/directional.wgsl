@@ -1,0 +1,105 @@
+// A directional light: parallel rays, the same direction for every fragment.
+//
+// DirectionalBlock has the same bytes as the std140 block of directional_450.frag.
+
+struct Light {
+    direction: vec3f, // offset 0, the way the light travels
+
+    ambient: vec3f,   // offset 16
+    diffuse: vec3f,   // offset 32
+    specular: vec3f,  // offset 48, size 64 in all
+}
+
+struct ViewBlock {
+    viewPos: vec3f, // offset 0
+}
+
+struct DirectionalBlock {
+    light: Light, // offset 0
+}
+
+struct TransformBlock {
+    model: mat4x4f,      // offset 0
+    view: mat4x4f,       // offset 64
+    projection: mat4x4f, // offset 128
+    normal: mat3x3f,     // offset 192: inverse transpose of model, WGSL has no inverse()
+}
+
+struct MaterialBlock {
+    shininess: f32, // offset 0
+}
+
+@group(0) @binding(0) var<uniform> view: ViewBlock;
+@group(0) @binding(1) var<uniform> lights: DirectionalBlock;
+@group(1) @binding(0) var<uniform> transform: TransformBlock;
+@group(2) @binding(0) var<uniform> material: MaterialBlock;
+@group(2) @binding(1) var materialDiffuse: texture_2d<f32>;
+@group(2) @binding(2) var materialSpecular: texture_2d<f32>;
+@group(2) @binding(3) var materialSampler: sampler;
+
+struct Surface {
+    @builtin(position) clip: vec4f,
+    @location(0) fragPos: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) texCoords: vec2f,
+}
+
+@vertex
+fn vertex_main(
+    @location(0) pos: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) texCoords: vec2f,
+) -> Surface {
+    let world = transform.model * vec4f(pos, 1.0);
+    return Surface(transform.projection * (transform.view * world), world.xyz, transform.normal * normal, texCoords);
+}
+
+// Unit vector along v; the zero vector stays zero.
+fn unit(v: vec3f) -> vec3f {
+    return v * inverseSqrt(max(dot(v, v), 1.0e-30));
+}
+
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+fn power(m: f32, n: f32) -> f32 {
+    var x = 1.0 - m;
+    if x <= 0.0 {
+        return 0.0;
+    }
+    var bits = i32(min(n, 257.0));
+    if bits <= 256 && f32(bits) == n {
+        var product = select(1.0, x, (bits & 1) == 1);
+        for (bits >>= 1u; bits > 0; bits >>= 1u) {
+            x *= x;
+            product *= select(1.0, x, (bits & 1) == 1);
+        }
+        return product;
+    }
+    let series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * select(-log(x), series, m < 0.015625));
+}
+
+// Phong's highlight. The eye is mirrored, not the light: that is the same for all lights
+// of a fragment. 1 - cos is half the squared chord, which stays exact where the cosine is
+// nearly 1. A light behind the surface has no highlight.
+fn highlight(toLight: vec3f, normal: vec3f, viewDir: vec3f, shininess: f32) -> f32 {
+    let chord = toLight - reflect(-viewDir, normal);
+    let m = select(1.0, 0.5 * dot(chord, chord), dot(normal, toLight) > 0.0);
+    return power(m, shininess);
+}
+
+// What the light adds. `normal` and `viewDir` are unit vectors away from the surface.
+fn shade(light: Light, normal: vec3f, fragPos: vec3f, viewDir: vec3f, surface: vec3f, gloss: vec3f) -> vec3f {
+    let toLight = unit(-light.direction);
+    return (light.ambient + light.diffuse * max(dot(normal, toLight), 0.0)) * surface
+         + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
+}
+
+@fragment
+fn fragment_main(in: Surface) -> @location(0) vec4f {
+    let surface = textureSample(materialDiffuse, materialSampler, in.texCoords).rgb;
+    let gloss = textureSample(materialSpecular, materialSampler, in.texCoords).rgb;
+    let viewDir = unit(view.viewPos - in.fragPos);
+    return vec4f(shade(lights.light, unit(in.normal), in.fragPos, viewDir, surface, gloss), 1.0);
+}

@@ -1,0 +1,110 @@
+#version 450
+// A spotlight with a hard edge: full light inside the cone, ambient light outside.
+// Vulkan GLSL: every group of uniforms is a std140 block.
+
+layout(location = 0) in vec3 FragPos;
+layout(location = 1) in vec3 Normal;
+layout(location = 2) in vec2 TexCoords;
+
+layout(location = 0) out vec4 FragColor;
+
+struct Light {
+    vec3 position;   // offset 0
+    vec3 direction;  // offset 16, the way the light travels
+    float cutOff;    // offset 28, cosine of the cone's half angle, neither degrees nor radians
+
+    vec3 ambient;    // offset 32
+    vec3 diffuse;    // offset 48
+    vec3 specular;   // offset 64
+
+    float constant;  // offset 76
+    float linear;    // offset 80
+    float quadratic; // offset 84, size 96 in all
+};
+
+layout(std140, set = 0, binding = 0) uniform ViewBlock {
+    vec3 viewPos; // offset 0
+};
+
+layout(std140, set = 0, binding = 1) uniform HardSpotBlock {
+    Light light; // offset 0
+};
+
+layout(std140, set = 2, binding = 0) uniform MaterialBlock {
+    float shininess; // offset 0
+} material;
+
+layout(set = 2, binding = 1) uniform sampler2D materialDiffuse;
+layout(set = 2, binding = 2) uniform sampler2D materialSpecular;
+
+// Unit vector along v; the zero vector stays zero.
+vec3 unit(vec3 v) {
+    return v * inversesqrt(max(dot(v, v), 1.0e-30));
+}
+
+// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
+// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
+// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+float power(float m, float n) {
+    float x = 1.0 - m;
+    if (x <= 0.0) {
+        return 0.0;
+    }
+    int bits = int(min(n, 257.0));
+    if (bits <= 256 && float(bits) == n) {
+        float product = (bits & 1) == 1 ? x : 1.0;
+        for (bits >>= 1; bits > 0; bits >>= 1) {
+            x *= x;
+            product *= (bits & 1) == 1 ? x : 1.0;
+        }
+        return product;
+    }
+    float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
+    return exp(-n * (m < 0.015625 ? series : -log(x)));
+}
+
+// Phong's highlight. The eye is mirrored, not the light: that is the same for all lights
+// of a fragment. 1 - cos is half the squared chord, which stays exact where the cosine is
+// nearly 1. A light behind the surface has no highlight.
+float highlight(vec3 toLight, vec3 normal, vec3 viewDir, float shininess) {
+    vec3 chord = toLight - reflect(-viewDir, normal);
+    float m = dot(normal, toLight) > 0.0 ? 0.5 * dot(chord, chord) : 1.0;
+    return power(m, shininess);
+}
+
+// 1 / (constant + linear d + quadratic d^2), kept finite when nothing has been set yet.
+float attenuation(float constant, float linear, float quadratic, float d) {
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+}
+
+// 1 inside, 0 outside. Inside means a smaller angle, that is, a *larger* cosine. Compared
+// as 1 - cos, which is half the squared chord between two unit vectors: in a narrow cone
+// the cosines themselves agree in nearly every digit.
+float cone(vec3 toLight, vec3 direction, float cutOff) {
+    vec3 chord = toLight - unit(-direction);
+    return 0.5 * dot(chord, chord) < 1.0 - cutOff ? 1.0 : 0.0;
+}
+
+// What the light adds.
+vec3 shade(Light light, vec3 normal, vec3 fragPos, vec3 viewDir, vec3 surface, vec3 gloss) {
+    vec3 path = light.position - fragPos;
+    float d2 = dot(path, path);
+    float inverse = inversesqrt(max(d2, 1.0e-30)); // one root for the direction and the distance
+    vec3 toLight = path * inverse;
+
+    // Ambient light is neither cut nor weakened, so that the edge never turns darker inside than outside.
+    vec3 sum = light.ambient * surface;
+    float inside = cone(toLight, light.direction, light.cutOff);
+    if (inside > 0.0) {
+        vec3 direct = light.diffuse * max(dot(normal, toLight), 0.0) * surface
+                    + light.specular * highlight(toLight, normal, viewDir, material.shininess) * gloss;
+        sum += direct * (inside * attenuation(light.constant, light.linear, light.quadratic, d2 * inverse));
+    }
+    return sum;
+}
+
+void main() {
+    vec3 surface = texture(materialDiffuse, TexCoords).rgb;
+    vec3 gloss = texture(materialSpecular, TexCoords).rgb;
+    FragColor = vec4(shade(light, unit(Normal), FragPos, unit(viewPos - FragPos), surface, gloss), 1.0);
+}

@@ -1,0 +1,106 @@
+// A spotlight with a soft edge: bright inside the inner cone, ambient light only
+// outside the outer cone, and linear in the cosine between the two.
+//
+// SoftSpotBlock has the same bytes as the std140 block of spot_soft_450.frag.
+//
+// Seed form: the formulas as tutorials print them, with what is wrong with them. The ids
+// H1, H2, ... are those of tests/hazards/; casters/spot_soft.wgsl is the form to use.
+
+struct Light {
+    position: vec3f,  // offset 0
+    direction: vec3f, // offset 16, the way the light travels
+    cutOff: f32,      // offset 28, cosine of the inner cone's half angle
+    outerCutOff: f32, // offset 32, cosine of the outer one's: the smaller number
+
+    ambient: vec3f,   // offset 48
+    diffuse: vec3f,   // offset 64
+    specular: vec3f,  // offset 80
+
+    constant: f32,    // offset 92
+    linear: f32,      // offset 96
+    quadratic: f32,   // offset 100, size 112 in all
+}
+
+struct ViewBlock {
+    viewPos: vec3f, // offset 0
+}
+
+struct SoftSpotBlock {
+    light: Light, // offset 0
+}
+
+struct TransformBlock {
+    model: mat4x4f,      // offset 0
+    view: mat4x4f,       // offset 64
+    projection: mat4x4f, // offset 128
+    normal: mat3x3f,     // offset 192: inverse transpose of model, WGSL has no inverse()
+}
+
+struct MaterialBlock {
+    shininess: f32, // offset 0
+}
+
+@group(0) @binding(0) var<uniform> view: ViewBlock;
+@group(0) @binding(1) var<uniform> lights: SoftSpotBlock;
+@group(1) @binding(0) var<uniform> transform: TransformBlock;
+@group(2) @binding(0) var<uniform> material: MaterialBlock;
+@group(2) @binding(1) var materialDiffuse: texture_2d<f32>;
+@group(2) @binding(2) var materialSpecular: texture_2d<f32>;
+@group(2) @binding(3) var materialSampler: sampler;
+
+struct Surface {
+    @builtin(position) clip: vec4f,
+    @location(0) fragPos: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) texCoords: vec2f,
+}
+
+@vertex
+fn vertex_main(
+    @location(0) pos: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) texCoords: vec2f,
+) -> Surface {
+    let world = transform.model * vec4f(pos, 1.0);
+    return Surface(transform.projection * (transform.view * world), world.xyz, transform.normal * normal, texCoords);
+}
+
+// Shines from behind the surface too (H13), and is undefined for pow(0, 0) (H9).
+fn highlight(toLight: vec3f, normal: vec3f, viewDir: vec3f, shininess: f32) -> f32 {
+    let mirrored = reflect(-toLight, normal);
+    return pow(max(dot(viewDir, mirrored), 0.0), shininess);
+}
+
+// Divides by zero where nothing has been set (H3), overflows in d * d (H4).
+fn attenuation(constant: f32, linear: f32, quadratic: f32, d: f32) -> f32 {
+    return 1.0 / (constant + linear * d + quadratic * (d * d));
+}
+
+// 0 / 0 where the cones agree (H6); a narrow cone has no digits (H17).
+fn cone(toLight: vec3f, direction: vec3f, cutOff: f32, outerCutOff: f32) -> f32 {
+    let theta = dot(toLight, normalize(-direction));
+    let epsilon = cutOff - outerCutOff;
+    return clamp((theta - outerCutOff) / epsilon, 0.0, 1.0);
+}
+
+fn shade(light: Light, normal: vec3f, fragPos: vec3f, viewDir: vec3f, surface: vec3f, gloss: vec3f) -> vec3f {
+    let toLight = normalize(light.position - fragPos); // none where the light is on the fragment (H1)
+    let diff = max(dot(normal, toLight), 0.0);
+    let spec = highlight(toLight, normal, viewDir, material.shininess);
+    let d = length(light.position - fragPos);
+    let weakening = attenuation(light.constant, light.linear, light.quadratic, d);
+    let inside = cone(toLight, light.direction, light.cutOff, light.outerCutOff);
+
+    let ambient = light.ambient * surface;
+    let diffuse = light.diffuse * diff * surface;
+    let specular = light.specular * spec * gloss;
+    return ambient + (diffuse + specular) * inside * weakening;
+}
+
+@fragment
+fn fragment_main(in: Surface) -> @location(0) vec4f {
+    let surface = textureSample(materialDiffuse, materialSampler, in.texCoords).rgb;
+    let gloss = textureSample(materialSpecular, materialSampler, in.texCoords).rgb;
+    let viewDir = normalize(view.viewPos - in.fragPos);
+    return vec4f(shade(lights.light, normalize(in.normal), in.fragPos, viewDir, surface, gloss), 1.0);
+}

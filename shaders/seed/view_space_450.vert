@@ -1,0 +1,33 @@
+#version 450
+// Vertex shader of the view-space scene: the camera is the origin. Seed form. Vulkan GLSL.
+
+layout (location=0) in vec3 position;
+layout (location=1) in vec3 normal;
+layout (location=2) in vec2 texCoord;
+
+layout(std140, set = 0, binding = 0) uniform CameraBlock {
+    mat4 projectionMatrix; // offset 0
+    mat4 viewMatrix;       // offset 64
+};
+
+// 64 of the 128 bytes that every Vulkan device has for push constants.
+layout(push_constant) uniform ModelBlock {
+    mat4 modelMatrix; // offset 0
+};
+
+layout(location = 0) out vec3 outPosition;
+layout(location = 1) out vec3 outNormal;
+layout(location = 2) out vec2 outTextCoord;
+
+void main()
+{
+    mat4 modelViewMatrix = viewMatrix * modelMatrix;
+    vec4 seen = modelViewMatrix * vec4(position, 1.0);
+    gl_Position = projectionMatrix * seen;
+    outPosition = seen.xyz;
+
+    // A vec4 is normalized, and its fourth component is the camera's distance: what is left
+    // for x, y, z has another length at every vertex, and interpolation bends it (H15).
+    outNormal = normalize(transpose(inverse(modelViewMatrix)) * vec4(normal, 0.0)).xyz;
+    outTextCoord = texCoord;
+}

@@ -1,0 +1,318 @@
+//! `landfall render`: a scene lit by a shader on a reader, and how far it is from the truth.
+
+mod asked;
+mod compare;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use landfall::emit::render as print;
+use landfall::emit::render::RenderReport;
+use landfall::light::bind::{Excess, Lit};
+use landfall::light::reference::Model;
+use landfall::light::render::tally::Tally;
+use landfall::light::render::truth::{self, Truth};
+use landfall::light::render::{Draw, RenderError, Rendered, Renderer, Work};
+use landfall::light::{Frame, Scene, Upload};
+use landfall::picture::{Picture, Transfer, file};
+use landfall::run::eval::{Cpu, Settings};
+use landfall::run::reader::{Device, Reader};
+use landfall::source::Files;
+use landfall::{Diagnostic, Error, emit};
+
+use crate::args::{ReaderName, RenderArgs, RenderFormat};
+use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::readers;
+use asked::Asked;
+
+pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let style = streams.style(match args.format {
+        RenderFormat::Human => FindingForm::Human,
+        RenderFormat::Json => FindingForm::Json,
+    });
+    let asked = match asked::asked(args, streams, &style)? {
+        Some(asked) => asked,
+        None => return Ok(Outcome::CouldNot),
+    };
+    if args.print_bind {
+        return print_bind(args, &asked, streams, &style);
+    }
+    match picture(args, &asked, streams) {
+        Ok(report) => told(args, &report, streams),
+        Err(Stop::Failure(failure)) => Err(failure),
+        Err(Stop::Render(error)) => {
+            let (found, files) = asked.findings(&error);
+            streams.report(&style.text(&found, files));
+            Ok(Outcome::CouldNot)
+        }
+    }
+}
+
+fn print_bind(
+    args: &RenderArgs,
+    asked: &Asked,
+    streams: &Streams,
+    style: &FindingStyle,
+) -> Result<Outcome, Failure> {
+    let renderer = match asked.renderer() {
+        Ok(Some(renderer)) => renderer,
+        Ok(None) => return Err(asked.no_shader().into()),
+        Err(error) => {
+            let (found, files) = asked.findings(&error);
+            streams.report(&style.text(&found, files));
+            return Ok(Outcome::CouldNot);
+        }
+    };
+    match args.format {
+        RenderFormat::Human => streams.product(&emit::bind::text(&renderer.map, streams.paint))?,
+        RenderFormat::Json => {
+            let map = emit::bind::json(&renderer.map);
+            let text = serde_json::to_string_pretty(&map).unwrap_or_default();
+            streams.product(&format!("{text}\n"))?;
+        }
+    }
+    Ok(Outcome::Clean)
+}
+
+/// Why there is no report.
+enum Stop {
+    Render(RenderError),
+    Failure(Failure),
+}
+
+impl From<RenderError> for Stop {
+    fn from(error: RenderError) -> Stop {
+        Stop::Render(error)
+    }
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Stop {
+        Stop::Failure(error.into())
+    }
+}
+
+impl From<Failure> for Stop {
+    fn from(failure: Failure) -> Stop {
+        Stop::Failure(failure)
+    }
+}
+
+/// A scene made ready, and what lights it.
+struct Made<'a> {
+    scene: &'a Scene,
+    /// With the lights that are lit.
+    upload: Upload,
+    frame: Frame,
+    renderer: Option<Renderer>,
+    model: Option<(Model, bool)>,
+    limit: Duration,
+}
+
+/// A picture by one reader.
+struct Lighted {
+    rendered: Rendered,
+    device: Device,
+    tally: Option<Tally>,
+    time: Duration,
+}
+
+fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<RenderReport, Stop> {
+    let renderer = match args.reference && !compare::needs_shader(&args.compare) {
+        true => None,
+        false => Some(asked.renderer()?.ok_or_else(|| asked.no_shader())?),
+    };
+    let scene = &asked.scene;
+    let mut upload = Upload::new(scene);
+    if let Some(renderer) = &renderer {
+        let excess = if args.leave_out { Excess::LeaveOut } else { Excess::Refuse };
+        let kept = renderer.lights(&upload, excess).map_err(RenderError::from)?;
+        let lights = &mut upload.lights;
+        lights.directional.truncate(kept[0].len());
+        lights.point.truncate(kept[1].len());
+        lights.spot.truncate(kept[2].len());
+    }
+    let likely = || renderer.as_ref().map(|renderer| (truth::likely(&renderer.map), false));
+    let model = asked.model.map(|model| (model, true)).or_else(likely);
+    let frame = Frame::new(scene, &asked.frame);
+    let limit = args.limit;
+    let made = Made { scene, upload, frame, renderer, model, limit };
+    let mut report = made.report(asked);
+    let picture = if args.reference {
+        let begun = Instant::now();
+        let truth = made.truth()?;
+        report.time = begun.elapsed();
+        report.shader = None;
+        truth.picture
+    } else {
+        let lighted = made.light(args.reader, args, streams)?;
+        report.device = Some(lighted.device);
+        report.tally = lighted.tally;
+        report.time = lighted.time;
+        report.discarded = lighted.rendered.discarded;
+        report.evaluations = Some(lighted.rendered.evaluations);
+        report.uploaded = lighted.rendered.uploaded;
+        lighted.rendered.picture
+    };
+    report.non_finite = picture.non_finite();
+    let transfer = transfer(args);
+    for what in &args.compare {
+        let done = compare::compare(&made, what, &picture, args, streams)?;
+        for (path, difference) in done.pictures {
+            // Drawn to be looked at, whatever the transfer of the picture is.
+            write(Path::new(&path), &difference, Transfer::Srgb)?;
+            report.written.push(path);
+        }
+        report.compared.push(done.compared);
+    }
+    if let Some(out) = &args.out {
+        write(out, &picture, transfer)?;
+        report.written.insert(0, out.display().to_string());
+    }
+    Ok(report)
+}
+
+fn transfer(args: &RenderArgs) -> Transfer {
+    match args.transfer {
+        crate::args::TransferName::Linear => Transfer::Linear,
+        crate::args::TransferName::Srgb => Transfer::Srgb,
+    }
+}
+
+fn write(path: &Path, picture: &Picture, transfer: Transfer) -> Result<(), Error> {
+    let shown = path.display().to_string();
+    let bytes = file::Format::of(&shown).and_then(|format| file::write(picture, format, transfer));
+    let bytes = bytes.map_err(|error| Error::new(&shown, error.to_string()))?;
+    landfall::file::write_whole(path, bytes)
+}
+
+impl Made<'_> {
+    fn truth(&self) -> Result<Truth, Error> {
+        let (model, _) = self.model.ok_or_else(|| {
+            Error::new(
+                "--reference",
+                "needs a lighting model, and neither the scene nor a shader says one",
+            )
+            .with_help("say `--model multi`, or `array`, `view_space`, `casters`")
+        })?;
+        Ok(truth::truth(&model, &self.upload, &self.frame, self.scene.background))
+    }
+
+    fn report(&self, asked: &Asked) -> RenderReport {
+        let lights = &self.upload.lights;
+        let [directional, point, spot] = self.numbers();
+        let lit = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let mut notes = self.renderer.as_ref().map_or(Vec::new(), |r| r.notes(&self.upload));
+        if let Some(renderer) = &self.renderer {
+            let unknown = renderer.map.unknown();
+            notes.extend(
+                unknown.iter().map(|name| format!("`{name}` is zero: nothing is known of it")),
+            );
+        }
+        RenderReport {
+            scene: self.scene.name.clone(),
+            shader: asked.shader.as_ref().map(|shader| shader.path.clone()),
+            device: None,
+            size: [self.frame.width, self.frame.height],
+            fragments: self.frame.fragments.len() as u64,
+            non_finite: 0,
+            discarded: 0,
+            lights: [lights.directional.len(), lights.point.len(), lights.spot.len()],
+            evaluations: None,
+            idle: self.renderer.as_ref().map_or(0, |renderer| renderer.idle(&lit)),
+            uploaded: 0,
+            time: Duration::ZERO,
+            tally: None,
+            map: self.renderer.as_ref().map(|renderer| renderer.map.clone()),
+            model: self.model,
+            compared: Vec::new(),
+            written: Vec::new(),
+            notes,
+        }
+    }
+
+    /// The numbers of all lights.
+    fn numbers(&self) -> [Vec<u32>; 3] {
+        let lights = &self.upload.lights;
+        [lights.directional.len(), lights.point.len(), lights.spot.len()]
+            .map(|count| (0..count as u32).collect())
+    }
+
+    /// The whole picture by a reader.
+    fn light(
+        &self,
+        name: ReaderName,
+        args: &RenderArgs,
+        streams: &Streams,
+    ) -> Result<Lighted, Stop> {
+        let renderer = self.renderer.as_ref().expect("a reader is asked only with a shader");
+        let [directional, point, spot] = self.numbers();
+        let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
+        let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+        let Made { upload, frame, limit, .. } = self;
+        let background = self.scene.background;
+        let work = Work { upload, frame, background, limit: *limit };
+        let total = fragments.len().max(1);
+        let shows = streams.shows_progress_first();
+        let mut done = 0;
+        let mut progress = |count: usize| {
+            done += count;
+            if shows {
+                let part = done * 100 / total;
+                let name = name.name();
+                streams.progress(&format!("{name}: {done} of {total} fragments, {part} %"));
+            }
+        };
+        let (rendered, device, tally, time) = match name {
+            ReaderName::Cpu => {
+                let settings = Settings { watch: args.watch, ..Settings::default() };
+                let mut cpu = Cpu::new(settings);
+                let mut tally = Tally::default();
+                let begun = Instant::now();
+                let rendered =
+                    renderer.render(&mut cpu, &work, &draws, &mut |cpu: &mut Cpu, n| {
+                        tally.add(&cpu.notes);
+                        progress(n);
+                    })?;
+                (rendered, cpu.device().clone(), Some(tally), begun.elapsed())
+            }
+            ReaderName::Gl | ReaderName::Gpu => {
+                let opened = readers::one(name, args.adapter.as_deref());
+                let mut reader = opened.map_err(|failure| {
+                    Error::new(name.name(), format!("cannot light it: {}", failure.message))
+                        .with_help(
+                            "`landfall devices` lists what is here; `--reader cpu` needs nothing",
+                        )
+                })?;
+                let begun = Instant::now();
+                let after = &mut |_: &mut (dyn Reader + 'static), n: usize| progress(n);
+                let rendered = renderer.render(reader.as_mut(), &work, &draws, after)?;
+                (rendered, reader.device().clone(), None, begun.elapsed())
+            }
+        };
+        Ok(Lighted { rendered, device, tally, time })
+    }
+}
+
+fn told(args: &RenderArgs, report: &RenderReport, streams: &Streams) -> Result<Outcome, Failure> {
+    match args.format {
+        RenderFormat::Human => {
+            streams.product(&print::text(report, streams.paint))?;
+            streams.finish()?;
+            let notes: Vec<Diagnostic> = report.notes.iter().map(|note| warning(note)).collect();
+            let style = streams.style(FindingForm::Human);
+            streams.report(&style.text(&notes, &Files::default()));
+        }
+        RenderFormat::Json => streams.product(&print::json(report))?,
+    }
+    let far = |most: u8| report.compared.iter().any(|with| with.comparison.codes.max > most);
+    let found = report.non_finite > 0 || args.max_step.is_some_and(far);
+    Ok(if found { Outcome::Findings } else { Outcome::Clean })
+}
+
+fn warning(note: &str) -> Diagnostic {
+    let mut found = Diagnostic::warning("bind", Default::default(), note);
+    found.labels.clear();
+    found
+}

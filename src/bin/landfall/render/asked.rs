@@ -1,0 +1,193 @@
+//! What a render is made of: the scene and what it and the command line say of the shader.
+
+use std::path::{Path, PathBuf};
+
+use landfall::light::reference::Model;
+use landfall::light::render::{RenderError, RenderOptions, Renderer};
+use landfall::light::scene::{Reading, read_file};
+use landfall::light::{FrameOptions, Scene, VertexNormals};
+use landfall::source::Files;
+use landfall::{Diagnostic, Error, Options, Source};
+use serde_json::{Map, Value};
+
+use crate::args::RenderArgs;
+use crate::output::{FindingStyle, Streams};
+use crate::{data, read};
+
+/// A scene and everything that is asked of it.
+pub struct Asked {
+    pub scene: Scene,
+    pub shader: Option<Source>,
+    pub model: Option<Model>,
+    pub frame: FrameOptions,
+    reading: Reading,
+    path: String,
+    options: Options,
+    entry: Option<String>,
+    /// What the command line says of the binding.
+    bind: Vec<(String, Map<String, Value>)>,
+    /// The shader's own file, for findings in it.
+    files: Files,
+}
+
+/// Members of a scene's `shader`, when that is an object.
+const SHADER_MEMBERS: [&str; 4] = ["path", "entry", "define", "normals"];
+
+/// Reads the scene and the shader; what is wrong with the scene is reported.
+pub fn asked(
+    args: &RenderArgs,
+    streams: &Streams,
+    style: &FindingStyle,
+) -> Result<Option<Asked>, Error> {
+    let mut reading = read_file(&args.scene)?;
+    streams.report(&style.text(&reading.diagnostics, &reading.files));
+    let Some(mut scene) = reading.scene.take() else { return Ok(None) };
+    if let Some(size) = args.size {
+        scene.size = size;
+    }
+    let path = args.scene.display().to_string();
+    let mut options = read::options(&args.read);
+    let (mut entry, mut frame) = (args.entry.clone(), FrameOptions::default());
+    let own = match &scene.shader {
+        Some(Value::String(name)) => Some(beside(&args.scene, name)),
+        Some(Value::Object(map)) => {
+            let own = of_scene(&path, map, &mut entry, &mut frame, &mut options)?;
+            own.map(|name| beside(&args.scene, &name))
+        }
+        Some(_) | None => None,
+    };
+    let shader = match args.shader.clone().or(own) {
+        Some(file) => Some(read::source(&file, &args.read)?),
+        None => None,
+    };
+    let model = match (&args.model, &scene.model) {
+        (Some(text), _) => Some(model("--model", said(text)?)?),
+        (None, Some(value)) => Some(model(&path, value.clone())?),
+        (None, None) => None,
+    };
+    let mut bind = Vec::new();
+    for text in &args.bind {
+        bind.push((text.clone(), data::object("--bind", text)?));
+    }
+    let mut files = Files::default();
+    if let Some(shader) = &shader {
+        files.add(shader.path.clone(), shader.text.clone());
+    }
+    Ok(Some(Asked { scene, shader, model, frame, reading, path, options, entry, bind, files }))
+}
+
+fn beside(scene: &Path, name: &str) -> PathBuf {
+    scene.parent().unwrap_or(Path::new("")).join(name)
+}
+
+/// A model's name, or the object it is.
+fn said(text: &str) -> Result<Value, Error> {
+    match text.trim_start().starts_with('{') {
+        true => data::value("--model", text),
+        false => Ok(Value::String(text.to_string())),
+    }
+}
+
+fn model(about: &str, value: Value) -> Result<Model, Error> {
+    serde_json::from_value(value).map_err(|error| {
+        Error::new(about, format!("says a lighting model that is none: {error}"))
+            .with_help("models are `multi`, `array`, `view_space` and `casters`")
+    })
+}
+
+/// What a scene says of its shader; its path, if it has one.
+fn of_scene(
+    path: &str,
+    map: &Map<String, Value>,
+    entry: &mut Option<String>,
+    frame: &mut FrameOptions,
+    options: &mut Options,
+) -> Result<Option<String>, Error> {
+    let wrong = |what: String| Error::new(path, what);
+    if let Some(key) = map.keys().find(|key| !SHADER_MEMBERS.contains(&key.as_str())) {
+        let all = SHADER_MEMBERS.map(|name| format!("`{name}`")).join(", ");
+        return Err(wrong(format!("has a `shader` with `{key}`, which is none of {all}")));
+    }
+    let text = |key: &str| match map.get(key) {
+        None => Ok(None),
+        Some(Value::String(text)) => Ok(Some(text.clone())),
+        Some(_) => Err(wrong(format!("has a `shader.{key}` that is no text"))),
+    };
+    if entry.is_none() {
+        *entry = text("entry")?;
+    }
+    frame.normals = match text("normals")?.as_deref() {
+        None | Some("transformed") => VertexNormals::Transformed,
+        Some("unit") => VertexNormals::Unit,
+        Some("unit_of_four") => VertexNormals::UnitOfFour,
+        Some(other) => {
+            let known = "`transformed`, `unit` and `unit_of_four`";
+            return Err(wrong(format!("has `shader.normals` of `{other}`; there are {known}")));
+        }
+    };
+    match map.get("define") {
+        None => {}
+        Some(Value::Object(defines)) => {
+            for (name, value) in defines {
+                let value = match value {
+                    Value::String(text) => text.clone(),
+                    other => other.to_string(),
+                };
+                // The command line's own are last, and the last counts.
+                options.read.defines.insert(0, (name.clone(), value));
+            }
+        }
+        Some(_) => return Err(wrong("has a `shader.define` that is no object".to_string())),
+    }
+    text("path")
+}
+
+impl Asked {
+    /// The shader with its binding; none where nobody names one.
+    pub fn renderer(&self) -> Result<Option<Renderer>, RenderError> {
+        let Some(shader) = &self.shader else { return Ok(None) };
+        let bind = self.scene.bind.iter().chain(self.bind.iter().map(|(_, map)| map)).collect();
+        let (layout, entry) = (self.options.clone(), self.entry.as_deref());
+        Renderer::new(shader, &RenderOptions { layout, entry, bind }).map(Some)
+    }
+
+    pub fn no_shader(&self) -> Error {
+        Error::new(&self.path, "names no shader to light it")
+            .with_help("say `--shader FILE`, or `--reference` for the picture of the model alone")
+    }
+
+    /// A failure as findings, and the files they are in.
+    pub fn findings(&self, error: &RenderError) -> (Vec<Diagnostic>, &Files) {
+        let plain = |code, message: String, help, path: &str| Diagnostic {
+            labels: Vec::new(),
+            path: Some(path.to_string()),
+            help,
+            ..Diagnostic::error(code, Default::default(), message)
+        };
+        let shader = self.shader.as_ref().map_or("", |shader| shader.path.as_str());
+        match error {
+            RenderError::Shader(found) => (found.clone(), &self.files),
+            RenderError::Bind(error) => {
+                let message = error.to_string();
+                let mut found = plain(error.code(), message, error.help(), &self.path);
+                let key = match error {
+                    landfall::light::bind::BindError::UnknownTarget { key, .. }
+                    | landfall::light::bind::BindError::UnknownQuantity { key, .. }
+                    | landfall::light::bind::BindError::Misfit { key, .. } => Some(key),
+                    landfall::light::bind::BindError::NoLights { .. }
+                    | landfall::light::bind::BindError::TooManyLights { .. } => None,
+                };
+                let at = key.and_then(|key| self.reading.place(&format!("bind.{key}")));
+                if let Some(span) = at {
+                    found.labels.push(landfall::Label { span, text: String::new() });
+                }
+                (vec![found], &self.reading.files)
+            }
+            RenderError::Reader(failure) => {
+                let mut found = plain("reader", failure.message.clone(), None, shader);
+                found.notes.extend(failure.log.lines().take(8).map(str::to_string));
+                (vec![found], &self.files)
+            }
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! `--compare`: the picture beside the reference's, another reader's or a file's.
+
+use std::path::Path;
+
+use clap::ValueEnum as _;
+use landfall::Error;
+use landfall::emit::render::Compared;
+use landfall::picture::compare::{Compare, compare_and_map};
+use landfall::picture::difference::{amplification, difference, flip_picture};
+use landfall::picture::{Picture, file};
+
+use super::{Made, Stop, transfer};
+use crate::args::{ReaderName, RenderArgs};
+use crate::output::Streams;
+use crate::read;
+
+/// A comparison, and pictures of the difference with the files they are to be in.
+pub struct Done {
+    pub compared: Compared,
+    pub pictures: Vec<(String, Picture)>,
+}
+
+/// Whether one of them is made by a shader.
+pub fn needs_shader(what: &[String]) -> bool {
+    what.iter().any(|what| ReaderName::from_str(what, true).is_ok())
+}
+
+pub fn compare(
+    made: &Made<'_>,
+    what: &str,
+    picture: &Picture,
+    args: &RenderArgs,
+    streams: &Streams,
+) -> Result<Done, Stop> {
+    let (mut leave_out, mut left_out) = (None, Vec::new());
+    let reader = ReaderName::from_str(what, true).ok();
+    let other = match (what, reader) {
+        ("reference", _) => {
+            let truth = made.truth()?;
+            left_out = Compared::hazards(&truth);
+            leave_out = Some(truth.leave_out);
+            truth.picture
+        }
+        (_, Some(name)) => made.light(name, args, streams)?.rendered.picture,
+        (path, None) => {
+            let bytes = read::bytes(Path::new(path))?;
+            let format = file::Format::of(path);
+            let read = format.and_then(|format| file::read(&bytes, format, transfer(args)));
+            read.map_err(|error| Error::new(path, error.to_string()))?
+        }
+    };
+    let options = Compare { transfer: transfer(args), leave_out: leave_out.as_deref() };
+    let wrong = |error: landfall::picture::PictureError| Error::new(what, error.to_string());
+    let (comparison, map) = compare_and_map(&other, picture, &options).map_err(wrong)?;
+    let mut pictures = Vec::new();
+    if let Some(out) = &args.out {
+        let amplify = amplification(comparison.linear.max);
+        let stem = out.with_extension("");
+        let name = Path::new(what).file_stem().unwrap_or_default().to_string_lossy().to_string();
+        let file = |kind: &str| format!("{}.{name}.{kind}.png", stem.display());
+        let mut drawn = difference(&other, picture, amplify).map_err(wrong)?;
+        for (pixel, left_out) in drawn.pixels.iter_mut().zip(leave_out.iter().flatten()) {
+            if *left_out {
+                *pixel = [0.0, 0.0, 0.25, 1.0];
+            }
+        }
+        pictures.push((file("difference"), drawn));
+        pictures.push((file("flip"), flip_picture(&map)));
+    }
+    Ok(Done { compared: Compared { with: what.to_string(), comparison, left_out }, pictures })
+}

@@ -1,0 +1,81 @@
+//! How far two pictures are apart, for people: what `--compare` prints.
+//!
+//! Reads a [`Comparison`] of [`picture`](crate::picture).
+
+use std::fmt::Write as _;
+
+use crate::picture::compare::{Comparison, Psnr};
+
+/// A line a measure.
+pub fn human(comparison: &Comparison) -> String {
+    let Comparison { pixels, left_out, non_finite, linear, codes, psnr, flip, .. } = comparison;
+    let mut text = String::new();
+    let mut row = |name: &str, said: String| {
+        let _ = writeln!(text, "{name:<12} {said}");
+    };
+    let mut compared = format!("{pixels} compared");
+    if *left_out > 0 {
+        let _ = write!(compared, ", {left_out} left out as undefined");
+    }
+    row("pixels", compared);
+    let mut said = format!(
+        "max {} steps, 99.9 % within {}, mean {}",
+        figure(linear.max),
+        figure(linear.p999),
+        figure(linear.mean)
+    );
+    if let Some([x, y]) = linear.at {
+        let _ = write!(said, "; largest at column {x}, row {y}");
+    }
+    row("linear", said);
+    if linear.alpha_max > 0.0 {
+        row("alpha", format!("max {} steps", figure(linear.alpha_max)));
+    }
+    let [_, one, two, more] = codes.counts;
+    row(
+        "8-bit",
+        format!(
+            "max {} steps ({}); {one} channels differ by 1, {two} by 2, {more} by 3 or more, of {}",
+            codes.max,
+            codes.transfer.name(),
+            codes.channels
+        ),
+    );
+    row("flips", format!("{} % of the codes", figure(100.0 * codes.flips)));
+    row(
+        "psnr",
+        match psnr {
+            Psnr::Identical => "infinite: all codes are the same".to_string(),
+            Psnr::Db(db) => format!("{db:.2} dB"),
+            Psnr::Nothing => "nothing to compare".to_string(),
+        },
+    );
+    row("flip", format!("mean {}, max {}", figure(flip.mean), figure(flip.max)));
+    row(
+        "non-finite",
+        match non_finite.pixels {
+            0 => "none".to_string(),
+            pixels => format!(
+                "{pixels} pixels: {} channels of the first picture, {} of the second",
+                non_finite.a, non_finite.b
+            ),
+        },
+    );
+    text
+}
+
+/// Three digits, as short as they can be written.
+fn figure(value: f64) -> String {
+    match value {
+        0.0 => "0".to_string(),
+        value if (1e-3..1e4).contains(&value) => {
+            let digits = (2 - value.log10().floor() as i32).max(0) as usize;
+            let text = format!("{value:.digits$}");
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+                false => text,
+            }
+        }
+        value => format!("{value:.2e}"),
+    }
+}

@@ -1,0 +1,109 @@
+//! Pictures as a screen gets them: 8 bits a channel.
+//!
+//! [`png`](super::png) writes and reads these; [`compare`](super::compare) counts their steps.
+
+use serde::{Deserialize, Serialize};
+
+use super::Picture;
+
+/// How a linear value becomes a code, and back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Transfer {
+    /// IEC 61966-2-1: what a `*_SRGB` target and an untagged PNG mean.
+    #[default]
+    Srgb,
+    /// The value itself: what a `*_UNORM` target stores.
+    Linear,
+}
+
+impl Transfer {
+    /// `srgb` or `linear`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Transfer::Srgb => "srgb",
+            Transfer::Linear => "linear",
+        }
+    }
+
+    /// The 0 to 1 that is stored for a linear value, which is clamped first; of NaN that is 0.
+    pub fn encode(self, linear: f64) -> f64 {
+        let linear = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
+        match self {
+            Transfer::Srgb if linear <= 0.003_130_8 => 12.92 * linear,
+            Transfer::Srgb => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+            Transfer::Linear => linear,
+        }
+    }
+
+    /// The linear value of a stored 0 to 1.
+    pub fn decode(self, stored: f64) -> f64 {
+        match self {
+            Transfer::Srgb if stored <= 0.040_45 => stored / 12.92,
+            Transfer::Srgb => ((stored + 0.055) / 1.055).powf(2.4),
+            Transfer::Linear => stored,
+        }
+    }
+}
+
+/// Pixels of 8 bits a channel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Codes {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows, from the top.
+    pub height: u32,
+    /// Red, green, blue, alpha.
+    pub pixels: Vec<[u8; 4]>,
+    /// What the codes mean, where that is said.
+    pub transfer: Option<Transfer>,
+    /// Channels that were NaN or infinite and have a code by rule only.
+    pub non_finite: u64,
+}
+
+impl Codes {
+    /// The linear picture: by `otherwise` where the codes do not say what they mean.
+    pub fn picture(&self, otherwise: Transfer) -> Picture {
+        let transfer = self.transfer.unwrap_or(otherwise);
+        let linear: Vec<f32> =
+            (0..=255u8).map(|code| transfer.decode(f64::from(code) / 255.0) as f32).collect();
+        let pixels = self
+            .pixels
+            .iter()
+            .map(|&[r, g, b, a]| {
+                let [r, g, b] = [r, g, b].map(|code| linear[usize::from(code)]);
+                [r, g, b, f32::from(a) / 255.0]
+            })
+            .collect();
+        Picture { width: self.width, height: self.height, pixels }
+    }
+}
+
+/// The codes of a picture.
+///
+/// A value is clamped to 0 to 1, encoded, multiplied by 255 and rounded to the nearest code, a
+/// half upwards: Direct3D's rule; Vulkan and OpenGL leave the half open. NaN and −∞ become 0 and
+/// +∞ 255, and are counted. Alpha is always linear.
+pub fn codes(picture: &Picture, transfer: Transfer) -> Codes {
+    let mut non_finite = 0;
+    let mut code = |value: f32, transfer| {
+        non_finite += u64::from(!value.is_finite());
+        code(value, transfer)
+    };
+    let pixels = picture
+        .pixels
+        .iter()
+        .map(|&[r, g, b, a]| {
+            let [r, g, b] = [r, g, b].map(|value| code(value, transfer));
+            [r, g, b, code(a, Transfer::Linear)]
+        })
+        .collect();
+    let Picture { width, height, .. } = *picture;
+    Codes { width, height, pixels, transfer: Some(transfer), non_finite }
+}
+
+/// The code of one value, by the rule of [`codes`].
+pub fn code(value: f32, transfer: Transfer) -> u8 {
+    // 255 times an f32 is exact in f64: a tie is a tie.
+    (255.0 * transfer.encode(f64::from(value)) + 0.5).floor() as u8
+}

@@ -1,0 +1,59 @@
+//! Pictures of the difference of two pictures, to be looked at.
+//!
+//! Draws what [`compare`](super::compare) counts and the map of [`flip`](super::flip).
+
+use super::Picture;
+use super::code::Transfer;
+use super::color_map;
+use super::error::PictureError;
+use super::flip::FlipMap;
+
+/// What is drawn where a picture is NaN or infinite: magenta, linear.
+pub const NON_FINITE: [f32; 4] = [1.0, 0.0, 1.0, 1.0];
+
+/// The absolute difference of each channel times `amplify`, opaque.
+///
+/// # Errors
+/// The sizes differ, or a picture is not [whole](Picture::checked).
+pub fn difference(a: &Picture, b: &Picture, amplify: f32) -> Result<Picture, PictureError> {
+    let (a, b) = (a.checked()?, b.checked()?);
+    let sizes = [[a.width, a.height], [b.width, b.height]];
+    if sizes[0] != sizes[1] {
+        return Err(PictureError::SizesDiffer { a: sizes[0], b: sizes[1] });
+    }
+    let pixels = a
+        .pixels
+        .iter()
+        .zip(&b.pixels)
+        .map(|(a, b)| {
+            if a.iter().chain(b).any(|value| !value.is_finite()) {
+                return NON_FINITE;
+            }
+            let [r, g, b] = [0, 1, 2].map(|i| (a[i] - b[i]).abs() * amplify);
+            [r, g, b, 1.0]
+        })
+        .collect();
+    Ok(Picture { width: a.width, height: a.height, pixels })
+}
+
+/// The power of ten that lifts a largest difference, in steps, near the full scale.
+pub fn amplification(max_steps: f64) -> f32 {
+    match max_steps > 0.0 && max_steps < 255.0 {
+        true => 10f64.powf((255.0 / max_steps).log10().floor()) as f32,
+        false => 1.0,
+    }
+}
+
+/// A FLIP map in the colours of [`color_map`], dark where nothing is visible.
+pub fn flip_picture(map: &FlipMap) -> Picture {
+    let pixels = map
+        .errors
+        .iter()
+        .map(|error| {
+            let [r, g, b] = color_map::color(f64::from(*error))
+                .map(|code| Transfer::Srgb.decode(f64::from(code) / 255.0) as f32);
+            [r, g, b, 1.0]
+        })
+        .collect();
+    Picture { width: map.width, height: map.height, pixels }
+}

@@ -1,0 +1,67 @@
+//! OpenEXR: linear floats with alpha, bit for bit, for measuring.
+//!
+//! Written as four channels of 32 bits; read from the first layer with red, green and blue, of
+//! whatever width. EXR is linear by definition.
+
+use std::io::Cursor;
+
+use ::exr::meta::MetaData;
+use ::exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, Vec2, WritableImage};
+
+use super::error::PictureError;
+use super::{Picture, size};
+
+const FORMAT: &str = "EXR";
+
+/// The file of a picture.
+///
+/// # Errors
+/// The picture is not [whole](Picture::checked).
+pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
+    let Picture { width, height, pixels } = picture.checked()?;
+    let width = *width as usize;
+    let channels = SpecificChannels::rgba(|Vec2(x, y)| {
+        let [r, g, b, a] = pixels[y * width + x];
+        (r, g, b, a)
+    });
+    let image = Image::from_channels((width, *height as usize), channels);
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut bytes).map_err(broken)?;
+    Ok(bytes.into_inner())
+}
+
+/// The picture of a file.
+///
+/// # Errors
+/// The bytes are no whole EXR with red, green and blue, or one of too many pixels.
+pub fn read(bytes: &[u8]) -> Result<Picture, PictureError> {
+    // The size is known before anything is made of it.
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
+    for header in &meta.headers {
+        let [width, height] = [header.layer_size.0, header.layer_size.1]
+            .map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+        size(width, height)?;
+    }
+    let image = ::exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            |size, _| (size.0, vec![[0f32; 4]; size.0 * size.1]),
+            |(width, pixels): &mut (usize, Vec<[f32; 4]>), Vec2(x, y), (r, g, b, a)| {
+                pixels[y * *width + x] = [r, g, b, a];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(broken)?;
+    let layer = image.layer_data;
+    let Vec2(width, height) = layer.size;
+    let (_, pixels) = layer.channel_data.pixels;
+    Ok(Picture { width: width as u32, height: height as u32, pixels })
+}
+
+fn broken(cause: ::exr::error::Error) -> PictureError {
+    PictureError::Broken { format: FORMAT, cause: cause.to_string().to_lowercase() }
+}

@@ -1,0 +1,102 @@
+//! PNG: 8 bits a channel, tagged with what they mean.
+//!
+//! Writes and reads the [`Codes`] of [`code`](super::code). Codes in sRGB get the chunk `sRGB`,
+//! linear ones `gAMA` 1; a file without either says nothing, and its reader decides.
+
+use std::io::Cursor;
+
+use ::png::{BitDepth, ColorType, Decoder, Encoder, Limits, ScaledFloat, SrgbRenderingIntent};
+use ::png::{Info, Transformations};
+
+use super::code::{Codes, Transfer};
+use super::error::PictureError;
+use super::{MOST_PIXELS, size};
+
+const FORMAT: &str = "PNG";
+/// The gamma that says sRGB in files that are older than its own chunk: 1 / 2.2.
+const OLD_SRGB: u32 = 45_455;
+const LINEAR: u32 = 100_000;
+
+/// The file of codes.
+///
+/// # Errors
+/// There are no pixels, or more or fewer than the size says.
+pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
+    let wanted = size(codes.width, codes.height)? as u64;
+    let given = codes.pixels.len() as u64;
+    if given != wanted {
+        return Err(PictureError::WrongCount { wanted, given });
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, codes.width, codes.height);
+    encoder.set_depth(BitDepth::Eight);
+    match codes.transfer {
+        Some(Transfer::Srgb) => encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric),
+        Some(Transfer::Linear) => encoder.set_source_gamma(ScaledFloat::from_scaled(LINEAR)),
+        None => {}
+    }
+    // A picture without transparency is better known as one.
+    let opaque = codes.pixels.iter().all(|pixel| pixel[3] == 255);
+    encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
+    let channels = if opaque { 3 } else { 4 };
+    let data: Vec<u8> =
+        codes.pixels.iter().flat_map(|pixel| pixel[..channels].iter().copied()).collect();
+    let mut writer = encoder.write_header().map_err(broken)?;
+    writer.write_image_data(&data).map_err(broken)?;
+    writer.finish().map_err(broken)?;
+    Ok(bytes)
+}
+
+/// The codes of a file: of grey, indexed or true colours, with alpha or without.
+///
+/// # Errors
+/// The bytes are no whole PNG, or one of 16 bits a channel, of too many pixels, or of a gamma
+/// that is neither linear nor that of sRGB.
+pub fn read(bytes: &[u8]) -> Result<Codes, PictureError> {
+    let limits = Limits { bytes: MOST_PIXELS as usize * 4 };
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
+    decoder.set_transformations(Transformations::EXPAND);
+    // The size is known before anything is made of it.
+    let header = decoder.read_header_info().map_err(broken)?;
+    let (width, height) = (header.width, header.height);
+    size(width, height)?;
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let info = reader.info();
+    let transfer = transfer(info)?;
+    if info.bit_depth == BitDepth::Sixteen {
+        let what = "16 bits a channel".to_string();
+        let instead = "save it with 8, or as EXR";
+        return Err(PictureError::Unsupported { format: FORMAT, what, instead });
+    }
+    let len = reader.output_buffer_size().ok_or(PictureError::TooLarge { width, height })?;
+    let mut data = vec![0; len];
+    let frame = reader.next_frame(&mut data).map_err(broken)?;
+    let rgba: fn(&[u8]) -> [u8; 4] = match frame.color_type {
+        ColorType::Grayscale => |p| [p[0], p[0], p[0], 255],
+        ColorType::GrayscaleAlpha => |p| [p[0], p[0], p[0], p[1]],
+        ColorType::Rgb => |p| [p[0], p[1], p[2], 255],
+        ColorType::Rgba => |p| [p[0], p[1], p[2], p[3]],
+        ColorType::Indexed => unreachable!("expanding makes indices colours"),
+    };
+    let channels = frame.color_type.samples();
+    let pixels = data[..frame.buffer_size()].chunks_exact(channels).map(rgba).collect();
+    Ok(Codes { width, height, pixels, transfer, non_finite: 0 })
+}
+
+/// What a file says its codes mean.
+fn transfer(info: &Info<'_>) -> Result<Option<Transfer>, PictureError> {
+    match (info.srgb, info.gama_chunk.map(ScaledFloat::into_scaled)) {
+        (Some(_), _) | (None, Some(OLD_SRGB)) => Ok(Some(Transfer::Srgb)),
+        (None, Some(LINEAR)) => Ok(Some(Transfer::Linear)),
+        (None, None) => Ok(None),
+        (None, Some(gamma)) => Err(PictureError::Unsupported {
+            format: FORMAT,
+            what: format!("gamma {}", f64::from(gamma) / 1e5),
+            instead: "save it as sRGB, or linear with gamma 1",
+        }),
+    }
+}
+
+fn broken(cause: impl std::fmt::Display) -> PictureError {
+    PictureError::Broken { format: FORMAT, cause: cause.to_string() }
+}
