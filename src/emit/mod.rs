@@ -23,6 +23,7 @@ mod listing;
 mod markdown;
 mod paint;
 mod place;
+pub mod plan;
 pub mod render;
 pub mod run;
 pub mod rust;

@@ -95,9 +95,11 @@ impl Lights {
         }
     }
 
-    /// As many point lights as the shader's array has slots: those not uploaded are zero.
-    pub fn padded(mut self, slots: usize) -> Lights {
-        self.point.resize(slots.max(self.point.len()), Point::default());
+    /// As many lights of each kind as a shader's arrays have slots: those not uploaded are zero.
+    pub fn padded(mut self, [directional, point, spot]: [usize; 3]) -> Lights {
+        self.directional.resize(directional.max(self.directional.len()), Directional::default());
+        self.point.resize(point.max(self.point.len()), Point::default());
+        self.spot.resize(spot.max(self.spot.len()), Spot::default());
         self
     }
 

@@ -134,7 +134,7 @@ fn lamp(light: &PointLight, model: &Model) -> Result<Lamp, Unbounded> {
     let attenuation = [a.constant, a.linear, a.quadratic];
     let known = |x: &f64| x.is_finite() && *x >= 0.0;
     let range = a.range.filter(|_| model.windowed).unwrap_or(f64::INFINITY);
-    if !attenuation.iter().all(known) || attenuation == [0.0; 3] || !(range > 0.0) {
+    if !attenuation.iter().all(known) || attenuation == [0.0; 3] || range.is_nan() || range <= 0.0 {
         return Err(Unbounded::Attenuation);
     }
     if !light.position.is_finite() {

@@ -83,7 +83,8 @@ fn spend(bounds: &mut Vec<(u32, DVec3)>, budget: f64) -> DVec3 {
     let mut count = 0;
     for (_, most) in bounds.iter() {
         let next = sum + *most;
-        if !(next.max_element() <= budget) {
+        // Bounds are infinite or numbers, never NaN.
+        if next.max_element() > budget {
             break;
         }
         sum = next;

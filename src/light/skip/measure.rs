@@ -16,7 +16,12 @@ const MOST: u64 = 200_000_000;
 
 /// How much two pictures of the same fragments differ.
 pub fn compare(a: &[Vec3], b: &[Vec3]) -> Measured {
-    let mut measured = Measured { of: 3 * a.len() as u64, ..Measured::default() };
+    let mut measured = Measured {
+        of: 3 * a.len() as u64,
+        fragments: a.len() as u64,
+        every: 1,
+        ..Measured::default()
+    };
     for (a, b) in a.iter().zip(b) {
         for (a, b) in a.to_array().into_iter().zip(b.to_array()) {
             let apart = (f64::from(a) - f64::from(b)).abs() / STEP;
@@ -50,14 +55,14 @@ pub(super) fn measure(
         let shaded: Shaded<()> = execute(&thin, upload, &surfaces, model, form);
         shaded.colors.into_iter().step_by(stride).collect()
     };
-    compare(&lit(plan), &lit(whole))
+    Measured { every: stride as u64, ..compare(&lit(plan), &lit(whole)) }
 }
 
 /// Only every so many fragments.
 fn thin(plan: &Plan, stride: usize) -> Plan {
     let mut plan = plan.clone();
     for draw in &mut plan.draws {
-        draw.fragments.retain(|number| *number as usize % stride == 0);
+        draw.fragments.retain(|number| (*number as usize).is_multiple_of(stride));
     }
     plan
 }
@@ -97,7 +102,8 @@ pub(super) fn gates(
         let every = |shaded: Shaded<Work>| -> Vec<Vec3> {
             shaded.colors.into_iter().step_by(stride).collect()
         };
-        Claim::Measured(compare(&every(shut), &every(exact)))
+        let measured = compare(&every(shut), &every(exact));
+        Claim::Measured(Measured { every: stride as u64, ..measured })
     } else {
         Claim::Exact("what a gate leaves out is multiplied with exactly zero".to_string())
     };

@@ -110,7 +110,7 @@ impl Job<'_> {
             return None;
         }
         let points = Points::new(frame, upload, model);
-        let Some(draw) = whole.draws.first() else { return None };
+        let draw = whole.draws.first()?;
         let divided = region::divide(frame, &points, upload.camera, &draw.fragments, division);
         let Lists { of, tests, dropped } = cull::lists(&divided, lights, model, options.cull);
         let tiles = lists::tile_lists(frame, &divided, lights, &of, division);

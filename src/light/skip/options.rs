@@ -7,9 +7,9 @@ use super::cost::Costs;
 pub struct Options {
     /// Leave out lights that give nothing, and what a shader holds for lights there are none of.
     pub used: bool,
-    /// Slots of the shader's point light array, all of which its plain loop goes over; as many
-    /// as there are lights if not told.
-    pub slots: Option<u32>,
+    /// Slots of the shader's arrays of directional, point and spot lights, all of which its
+    /// plain loop goes over; as many as there are lights if not told.
+    pub slots: [Option<u32>; 3],
     /// Count what gates leave out, powers below so many steps included.
     pub gates: Option<f64>,
     /// The regions lists of lights are made for.
@@ -28,7 +28,7 @@ impl Default for Options {
     fn default() -> Options {
         Options {
             used: false,
-            slots: None,
+            slots: [None; 3],
             gates: None,
             division: Division::Whole,
             cull: Cull::Exact,
@@ -96,7 +96,7 @@ pub enum Choose {
 /// The parts `--skip` is made of, with what they do: for help and for messages.
 pub const PARTS: &[(&str, &str)] = &[
     ("used", "leave out lights that give nothing and types of lights there are none of"),
-    ("slots=N", "the shader's point light array has N slots, all looped over without `used`"),
+    ("slots=N", "the shader has N slots for point lights; DxPxS also for suns and spots"),
     ("gates[=STEPS]", "count what gates leave out; powers below STEPS of 1/255 too"),
     ("tiles[=PIXELS]", "a list of lights for each tile, exact; 8 pixels"),
     ("clusters[=CxRxS]", "a list for each cluster, exact; 32x18x48"),
@@ -135,8 +135,16 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
     let needed = || value.ok_or_else(|| "needs a value after `=`".to_string());
     match name {
         "used" => options.used = true,
-        "slots" => options.slots = Some(whole(needed()?, 1..=1 << 20)?),
-        "gates" => options.gates = Some(value.map_or(Ok(0.0), |v| positive(v))?),
+        "slots" => {
+            let slots = |text| whole(text, 0..=1 << 20).map(Some);
+            let parts: Vec<&str> = needed()?.split('x').collect();
+            options.slots = match parts[..] {
+                [point] => [None, slots(point)?, None],
+                [directional, point, spot] => [slots(directional)?, slots(point)?, slots(spot)?],
+                _ => return Err("wants one number, or three as `4x128x4`".to_string()),
+            };
+        }
+        "gates" => options.gates = Some(value.map_or(Ok(0.0), positive)?),
         "tiles" => {
             let size = value.map_or(Ok(8), |v| whole(v, 1..=4096))?;
             options.division = Division::Tiles { size };
@@ -197,7 +205,7 @@ mod tests {
     fn parts_are_read() {
         let options = parse("used, slots=128,gates=1/64,tiles=16,budget=0.5,always").expect("good");
         assert!(options.used);
-        assert_eq!(options.slots, Some(128));
+        assert_eq!(options.slots, [None, Some(128), None]);
         assert_eq!(options.gates, Some(1.0 / 64.0));
         assert_eq!(options.division, Division::Tiles { size: 16 });
         assert_eq!(options.cull, Cull::Budget(0.5));
@@ -217,6 +225,7 @@ mod tests {
             ("budget=-1", "wants a positive number"),
             ("cut=1/0", "wants a positive number"),
             ("gates=nan", "wants a positive number"),
+            ("slots=3x4", "one number, or three"),
             ("clusters=3x4", "columns, rows and slices"),
             ("interpolate=4x9", "from 2 to 8"),
             ("tiles,interpolate", "by itself"),

@@ -101,18 +101,36 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// Each as a name and a value; an array keeps one element where it has none in use, since
-    /// neither GLSL nor WGSL knows empty arrays.
-    pub fn settings(&self) -> Vec<(&'static str, u32)> {
-        vec![
-            ("USE_AMBIENT", u32::from(self.ambient)),
-            ("USE_DIRECTIONAL", u32::from(self.directional > 0)),
-            ("USE_POINT", u32::from(self.point > 0)),
-            ("USE_SPOT", u32::from(self.spot > 0)),
-            ("MAX_DIRECTIONAL", self.directional.max(1)),
-            ("MAX_POINT", self.point.max(1)),
-            ("MAX_SPOT", self.spot.max(1)),
-        ]
+    /// The values of a shader's defines, overrides or specialisation constants, guessed from
+    /// their names: `HAS_POINT_LIGHTS`, `MAX_SPOT_LIGHTS`, `POINT_LIGHT_MAX_NUM`; names that say
+    /// neither a kind of light nor what of it are left out.
+    pub fn settings<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<(&'n str, u32)> {
+        names.into_iter().filter_map(|name| Some((name, self.setting(name)?))).collect()
+    }
+
+    fn setting(&self, name: &str) -> Option<u32> {
+        let lower = name.to_ascii_lowercase();
+        let words: Vec<&str> = lower.split('_').collect();
+        let says = |any: &[&str]| any.iter().any(|word| words.contains(word));
+        let count = if says(&["directional", "dir", "sun", "suns"]) {
+            self.directional
+        } else if says(&["point", "points"]) {
+            self.point
+        } else if says(&["spot", "spots"]) {
+            self.spot
+        } else if says(&["ambient"]) {
+            u32::from(self.ambient)
+        } else {
+            return None;
+        };
+        if says(&["has", "use", "uses", "with", "enable"]) {
+            Some(u32::from(count > 0))
+        } else if says(&["max", "num", "nr", "count", "slots", "size", "length"]) {
+            // Neither GLSL nor WGSL knows empty arrays.
+            Some(count.max(1))
+        } else {
+            None
+        }
     }
 }
 
@@ -175,6 +193,10 @@ pub struct Measured {
     pub codes: u64,
     /// Of how many.
     pub of: u64,
+    /// Fragments it was measured at.
+    pub fragments: u64,
+    /// That many of the frame's fragments for each of them.
+    pub every: u64,
 }
 
 impl Plan {

@@ -18,19 +18,25 @@ pub(super) fn used(
     options: &Options,
 ) -> (Vec<Bounded>, Savings) {
     let fragments = frame.fragments.len() as u64;
-    let uploaded = upload.lights.point.len();
-    let slots = options.slots.map_or(uploaded, |slots| slots as usize);
-    let others = upload.lights.directional.len() + upload.lights.spot.len();
-    let looped = (slots + others) as u64;
-    let mut savings = Savings { fragments, before: fragments * looped, ..Savings::default() };
-    if uploaded > slots {
-        savings.notes.push(format!(
-            "{uploaded} point lights, but the shader's array has {slots} slots: the last {} are \
-             left out",
-            uploaded - slots
-        ));
+    let uploaded =
+        [upload.lights.directional.len(), upload.lights.point.len(), upload.lights.spot.len()];
+    let kinds = [Kind::Directional, Kind::Point, Kind::Spot];
+    let slots = [0, 1, 2].map(|at| options.slots[at].map_or(uploaded[at], |n| n as usize));
+    let looped = slots.iter().sum::<usize>() as u64;
+    let before = fragments * looped;
+    let mut savings = Savings { fragments, before, ..Savings::default() };
+    for (at, kind) in kinds.into_iter().enumerate() {
+        let (uploaded, slots) = (uploaded[at], slots[at]);
+        if uploaded > slots {
+            savings.notes.push(format!(
+                "{uploaded} {}s, but the shader's array has {slots} slots: the last {} are left \
+                 out",
+                kind.name(),
+                uploaded - slots
+            ));
+        }
     }
-    let has_slot = |light: &Bounded| light.kind != Kind::Point || (light.number as usize) < slots;
+    let has_slot = |light: &Bounded| (light.number as usize) < slots[light.kind as usize];
     let mut lights: Vec<Bounded> = all.iter().filter(|light| has_slot(light)).cloned().collect();
     for light in &lights {
         if let Err(why) = light.shape {
@@ -46,13 +52,11 @@ pub(super) fn used(
         let there = lights.len();
         lights.retain(|light| !is_dark(emission(upload, light), model));
         let dark = there - lights.len();
-        let empty = slots.saturating_sub(uploaded);
-        let before = fragments * looped;
+        let empty = looped as usize - there;
         let after = fragments * lights.len() as u64;
         let did = format!(
-            "{} of {} slots lit: {empty} empty and {dark} dark left out of the loop",
+            "{} of {looped} slots lit: {empty} empty and {dark} dark left out of the loop",
             lights.len(),
-            there + empty,
         );
         let error = Claim::Exact(
             "a light without colour adds exactly zero where its attenuation is finite; a zeroed \
