@@ -10,7 +10,7 @@ pub mod frame;
 pub mod roles;
 pub mod scene;
 pub mod upload;
-mod words;
+pub(crate) mod words;
 
 pub use frame::{Fragment, Frame};
 pub use scene::Scene;
