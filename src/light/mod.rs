@@ -4,8 +4,9 @@
 //! [`Frame`], the fragments of its picture, and the [`Upload`], its lights and materials as a
 //! shader gets them, in `f32`. A shader lights the fragments on some reader; the `reference`
 //! does it in `f64` from the same bits. Apart from scenes, [`roles`] says which structures of a
-//! shader are lights.
+//! shader are lights, and [`cost`] what they cost.
 
+pub mod cost;
 pub mod frame;
 pub mod roles;
 pub mod scene;

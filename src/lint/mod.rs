@@ -43,6 +43,8 @@ mod webgl2_size;
 use crate::source::Source;
 use crate::{Options, ShaderLayout};
 
+pub(crate) use reorder_saves::smaller_order;
+
 pub use finding::{Edit, Finding, Level, Place, Related};
 pub use settings::Settings;
 

@@ -3,6 +3,7 @@
 mod check;
 mod codec;
 mod levels;
+mod lights;
 mod lock;
 mod run;
 mod verify;
@@ -16,6 +17,7 @@ use landfall::{Language, Rules, Stage, Target, emit};
 
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 pub use run::{RunArgs, RunFormat};
 pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
@@ -52,6 +54,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Call one function of a shader with arguments in JSON, in f32 beside f64
     Run(RunArgs),
+    /// Say what the lights of shaders cost, and where their code may leave the numbers
+    Lights(LightsArgs),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
     /// Write the lock of every shader: its layout, to be committed and compared with
@@ -285,6 +289,8 @@ pub enum Schema {
     Verify,
     /// run --format json
     Run,
+    /// lights --format json
+    Lights,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

@@ -85,9 +85,15 @@ pub(super) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
         return Vec::new();
     }
     let lights = held(&subject.shader.blocks);
-    if lights.is_empty() {
+    // Normals are transformed where there is no light yet.
+    let text = &subject.source.text;
+    let transforms = kinds.contains(&Kind::Vec4Normalise)
+        && text.contains("transpose")
+        && text.contains("normalize");
+    if lights.is_empty() && !transforms {
         return Vec::new();
     }
+    let kinds = if lights.is_empty() { &[Kind::Vec4Normalise] } else { kinds };
     let analysis = analyse(subject.source, subject.options, subject.shader, &lights);
     let said = analysis.found.hazards.iter().filter(|hazard| {
         // A warning is for what is there, not for what might be.

@@ -58,6 +58,16 @@ impl Facts {
         .settled()
     }
 
+    /// Above zero.
+    fn is_positive(self) -> bool {
+        self.nonzero && self.low >= 0.0
+    }
+
+    fn nonzero_if(mut self, so: bool) -> Facts {
+        self.nonzero |= so;
+        self
+    }
+
     fn settled(mut self) -> Facts {
         self.nonzero |= self.low > 0.0 || self.high < 0.0;
         self
@@ -139,7 +149,10 @@ impl<'g> Query<'g> {
     fn binary(&mut self, op: B, a: Id, b: Id) -> Facts {
         let (x, y) = (self.of(a), self.of(b));
         match op {
-            B::Add => Facts::between(x.low + y.low, x.high + y.high),
+            B::Add => {
+                let positive = x.low >= 0.0 && y.low >= 0.0 && (x.nonzero || y.nonzero);
+                Facts::between(x.low + y.low, x.high + y.high).nonzero_if(positive)
+            }
             B::Subtract if a == b => Facts::number(0.0),
             B::Subtract => Facts::between(x.low - y.high, x.high - y.low),
             B::Multiply if a == b => {
@@ -198,20 +211,24 @@ impl<'g> Query<'g> {
             }
             (M::Max, &[a, b]) => {
                 let (a, b) = (self.of(a), self.of(b));
-                Facts::between(a.low.max(b.low), a.high.max(b.high))
+                let whole = Facts::between(a.low.max(b.low), a.high.max(b.high));
+                whole.nonzero_if(a.is_positive() || b.is_positive())
             }
             (M::Min, &[a, b]) => {
                 let (a, b) = (self.of(a), self.of(b));
-                Facts::between(a.low.min(b.low), a.high.min(b.high))
+                let whole = Facts::between(a.low.min(b.low), a.high.min(b.high));
+                whole.nonzero_if(a.is_positive() && b.is_positive())
             }
             (M::Clamp, &[x, low, high]) => {
                 let (x, low, high) = (self.of(x), self.of(low), self.of(high));
+                let positive = (x.is_positive() || low.is_positive()) && high.is_positive();
                 let low = x.low.max(low.low).min(high.high);
-                Facts::between(low, x.high.min(high.high).max(low))
+                Facts::between(low, x.high.min(high.high).max(low)).nonzero_if(positive)
             }
             (M::Saturate, &[x]) => {
                 let x = self.of(x);
-                Facts::between(x.low.clamp(0.0, 1.0), x.high.clamp(0.0, 1.0))
+                let whole = Facts::between(x.low.clamp(0.0, 1.0), x.high.clamp(0.0, 1.0));
+                whole.nonzero_if(x.is_positive())
             }
             (M::SmoothStep | M::Step, _) => Facts::between(0.0, 1.0),
             (M::Fract, _) => Facts::between(0.0, 1.0),

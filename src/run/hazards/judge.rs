@@ -92,10 +92,11 @@ impl<'m> Walk<'m> {
                 }
             }
             (M::Pow, &[base, exponent]) => self.look_at_power(base, exponent, id, span),
-            (M::Reflect, &[_, normal]) => self.look_at_normal(normal, span),
+            (M::Reflect, &[_, normal]) => self.look_at_normal(normal, Certainty::Likely, span),
+            // A diffuse term is only darker for it.
             (M::Dot, &[a, b]) if a != b => {
-                self.look_at_normal(a, span);
-                self.look_at_normal(b, span);
+                self.look_at_normal(a, Certainty::Possible, span);
+                self.look_at_normal(b, Certainty::Possible, span);
             }
             (M::SmoothStep, &[low, high, x]) => {
                 let cones = [low, high].map(|edge| self.cone(edge));
@@ -178,9 +179,19 @@ impl<'m> Walk<'m> {
             let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
             leaf.origin != Origin::Interpolated && says(&["view", "camera", "cam", "eye"])
         };
+        // Between two members of blocks it is the program's to see to.
+        let varies = |id: Id| {
+            self.graph.contains(id, &mut |id| match self.graph.op(id) {
+                Op::Opaque(_) => true,
+                _ => self.graph.as_leaf(id).is_some_and(|leaf| leaf.origin != Origin::Block),
+            })
+        };
         let find = |wanted: &dyn Fn(&Leaf) -> bool| {
-            let below = |id| self.graph.leaf_below(id, wanted);
-            below(a).or_else(|| below(b)).map(|leaf| leaf.path.clone())
+            let one_of = |one, other| {
+                let leaf = self.graph.leaf_below(one, wanted)?;
+                varies(other).then(|| leaf.path.clone())
+            };
+            one_of(a, b).or_else(|| one_of(b, a))
         };
         find(&position).map(|path| ("H1", path)).or_else(|| find(&camera).map(|path| ("H2", path)))
     }
@@ -209,7 +220,11 @@ impl<'m> Walk<'m> {
                 false if number == "H1" => (Kind::AttenuationDivision, "H1b", about),
                 false => return,
             }
-        } else if let Some(leaf) = self.graph.leaf_below(below, &weakens) {
+        } else if let Some(leaf) = {
+            let first = |leaf: &Leaf| leaf.role == Some(Role::Constant);
+            let first = self.graph.leaf_below(below, &first);
+            first.or_else(|| self.graph.leaf_below(below, &weakens))
+        } {
             (Kind::AttenuationDivision, "H3", leaf.path.clone())
         } else if let Some(leaf) = self.graph.leaf_below(below, &cone) {
             // `inner - outer`, or `1 - cutoff`.
@@ -276,10 +291,12 @@ impl<'m> Walk<'m> {
     }
 
     fn look_at_power(&mut self, base: Id, exponent: Id, id: Id, span: Span) {
-        if !self.graph.contains(base, &mut |id| self.graph.is_math(id, M::Dot)) {
-            return;
+        let Some(dot) = self.dot_in(base, 0) else { return };
+        let bare = dot == base;
+        if let &[a, b] = self.graph.args(dot) {
+            self.look_at_normal(a, Certainty::Likely, span);
+            self.look_at_normal(b, Certainty::Likely, span);
         }
-        let bare = self.graph.is_math(base, M::Dot);
         self.note_power(base, id, span);
         let (x, n) = (self.facts(base), self.facts(exponent));
         let about = self.graph.leaf_below(exponent, &|_| true).map(|leaf| leaf.path.clone());
@@ -301,8 +318,33 @@ impl<'m> Walk<'m> {
         }
     }
 
+    /// The dot product a value is, clamped or shifted or not.
+    fn dot_in(&self, id: Id, depth: u32) -> Option<Id> {
+        if depth > 8 {
+            return None;
+        }
+        let constant = |id: Id| self.graph.value(id).is_some();
+        match (self.graph.op(id), self.graph.args(id)) {
+            (Op::Math(M::Dot), &[a, b]) => (a != b).then_some(id),
+            (Op::Math(M::Max | M::Min | M::Clamp | M::Saturate | M::Abs), args) => {
+                args.iter().find_map(|&arg| self.dot_in(arg, depth + 1))
+            }
+            (Op::Convert | Op::Negate, &[of]) => self.dot_in(of, depth + 1),
+            (Op::Chosen, &[_, a, b]) => {
+                self.dot_in(a, depth + 1).or_else(|| self.dot_in(b, depth + 1))
+            }
+            (Op::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(a) => {
+                self.dot_in(b, depth + 1)
+            }
+            (Op::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(b) => {
+                self.dot_in(a, depth + 1)
+            }
+            _ => None,
+        }
+    }
+
     /// A normal straight from the rasteriser.
-    fn look_at_normal(&mut self, id: Id, span: Span) {
+    fn look_at_normal(&mut self, id: Id, sure: Certainty, span: Span) {
         let Some(leaf) = self.graph.bare_leaf(id) else { return };
         if leaf.origin != Origin::Interpolated {
             return;
@@ -310,7 +352,7 @@ impl<'m> Walk<'m> {
         let said = words::words(&leaf.name);
         if said.iter().any(|word| ["normal", "normals", "norm", "nrm"].contains(&word.as_str())) {
             let about = leaf.path.clone();
-            self.report(Kind::UnnormalisedNormal, "H14", Certainty::Likely, span, about);
+            self.report(Kind::UnnormalisedNormal, "H14", sure, span, about);
         }
     }
 
@@ -347,13 +389,18 @@ impl<'m> Walk<'m> {
         }
         hazards.sort_by_key(|h| (h.span.file, h.span.start, h.span.end, h.kind));
         let mut seen = FxHashSet::default();
-        let key = |access: &Access| (access.light, access.span);
-        self.accesses.retain(|access| seen.insert(key(access)));
-        Found { hazards, accesses: self.accesses, cut_short }
+        let accesses: Vec<Access> = self.accesses.into_iter().map(|(_, access)| access).collect();
+        let mut accesses = accesses;
+        accesses.retain(|access| seen.insert((access.light, access.span)));
+        Found { hazards, accesses, cut_short }
     }
 
     fn look_at_accesses(&mut self) {
-        let accesses = self.accesses.clone();
+        // One loop reads several members.
+        let mut seen = FxHashSet::default();
+        let mut accesses: Vec<(Id, Access)> = self.accesses.clone();
+        accesses.retain(|(index, access)| seen.insert((*index, access.light)));
+        let accesses: Vec<Access> = accesses.into_iter().map(|(_, access)| access).collect();
         for access in &accesses {
             let light = &self.lights[access.light];
             let about = light.path.clone();
@@ -365,8 +412,16 @@ impl<'m> Walk<'m> {
             let name = format!("{about} {}", count.member.name);
             match access.bound {
                 Bound::Constant(n) if !counted && n > 1 => {
-                    let kind = Kind::LoopPastCount;
-                    let found = self.report(kind, "H3b", Certainty::Likely, access.span, name);
+                    // A slot that is switched off may be multiplied away.
+                    let switched = |leaf: &Leaf| {
+                        leaf.light.as_ref().is_some_and(|(own, _)| *own == access.light)
+                            && matches!(leaf.role, Some(Role::Enabled | Role::Intensity))
+                    };
+                    let sure = match self.graph.leaves.iter().any(switched) {
+                        true => Certainty::Possible,
+                        false => Certainty::Likely,
+                    };
+                    let found = self.report(Kind::LoopPastCount, "H3b", sure, access.span, name);
                     found.hazard.number = Some(n as f64);
                 }
                 Bound::Count => {

@@ -173,7 +173,7 @@ impl Walk<'_> {
             return;
         }
         let bound = self.bound(light, index);
-        self.accesses.push(Access { light, bound, span });
+        self.accesses.push((index, Access { light, bound, span }));
     }
 
     fn bound(&self, light: usize, index: Id) -> Bound {

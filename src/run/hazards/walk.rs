@@ -39,7 +39,8 @@ pub struct Walk<'m> {
     /// Compositions whose arguments are their parts one by one.
     pub whole_parts: FxHashSet<Id>,
     pub candidates: Vec<Candidate>,
-    pub accesses: Vec<Access>,
+    /// Accesses to arrays of lights, and the index of each.
+    pub accesses: Vec<(Id, Access)>,
     pub powers: Vec<Power>,
     globals: FxHashMap<Handle<naga::GlobalVariable>, Value>,
     constants: FxHashMap<Handle<Expression>, Id>,
