@@ -22,7 +22,7 @@ pub enum Kind {
     Point,
     /// Light from a point, inside a cone.
     Spot,
-    /// A member says at run time which.
+    /// A member says at run time which, or no name does.
     Tagged,
 }
 
@@ -374,7 +374,7 @@ fn judge(name: &str, found: Found, span: Span, evidence: Evidence) -> Option<Rol
     let mut roles = Roles { name: Arc::from(name), kind: Kind::Tagged, parts, others, span };
     let placed = roles.any(|r| matches!(r, Role::Position | Role::Direction));
     let shines = roles.any(Role::is_emission);
-    let weakens = roles.any(|r| r.is_attenuation() || r.is_cone() || r == Role::Range);
+    let weakens = roles.any(|r| r.is_attenuation() || r.is_cone());
     let named = is_light(&said);
     let ambient = said.iter().any(|word| word == "ambient");
     let is_one = match evidence {
@@ -384,7 +384,7 @@ fn judge(name: &str, found: Found, span: Span, evidence: Evidence) -> Option<Rol
                 || (placed && shines && weakens)
         }
         Evidence::Block => (named && shines && placed) || (ambient && shines && !placed),
-        Evidence::Members => placed || shines,
+        Evidence::Members => placed,
     };
     // A structure of scalars that only says how strong something is would be anything.
     let colour = roles
@@ -423,8 +423,6 @@ fn kind(said: &[String], roles: &Roles) -> Kind {
     } else if has(Role::Direction) {
         Kind::Directional
     } else if says(&["hemi", "hemisphere"]) {
-        Kind::Ambient
-    } else if roles.parts.iter().all(|p| p.role.is_emission()) {
         Kind::Ambient
     } else {
         Kind::Tagged
@@ -524,7 +522,7 @@ pub fn role(name: &str, ty: &Type) -> Option<Role> {
                 Some(Role::Cone)
             } else if let Some(role) = term() {
                 Some(role)
-            } else if says(&["intensity", "strength", "power", "energy", "brightness"])
+            } else if says(&["intensity", "strength", "power", "energy", "brightness", "factor"])
                 || says(&["lumens", "lumen", "candela", "lux", "flux", "luminance"])
             {
                 Some(Role::Intensity)

@@ -111,7 +111,15 @@ impl Walk<'_> {
                         }
                         todo.push(user);
                     }
-                    (Op::Joined(_) | Op::Part(_) | Op::Compose | Op::Swizzle(_), _) => {
+                    // What it is added to is multiplied with it.
+                    (
+                        Op::Binary(B::Add | B::Subtract)
+                        | Op::Joined(_)
+                        | Op::Part(_)
+                        | Op::Compose
+                        | Op::Swizzle(_),
+                        _,
+                    ) => {
                         todo.push(user);
                     }
                     _ => {}
