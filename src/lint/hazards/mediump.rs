@@ -51,7 +51,7 @@ fn lowered_by_default(shader: &ShaderLayout) -> bool {
                 continue;
             }
             let precision = words.next();
-            if !words.next().is_some_and(|ty| ty.trim_end_matches(';') == "float") {
+            if words.next().is_none_or(|ty| ty.trim_end_matches(';') != "float") {
                 continue;
             }
             match precision {

@@ -6,12 +6,14 @@
 //! it says are [`Hazard`]s with places in the user's text; [`light`](crate::light) words them.
 
 mod assume;
+mod control;
 mod expression;
 mod facts;
 mod graph;
 mod judge;
 mod memory;
 mod specular;
+mod verdict;
 mod walk;
 
 use crate::light::roles::Held;
