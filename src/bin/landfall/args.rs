@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod codec;
 mod levels;
+mod lights;
 mod lock;
 mod render;
 mod run;
@@ -20,6 +21,7 @@ use landfall::{Language, Rules, Stage, Target, emit};
 pub use bench::{BenchArgs, BenchFormat};
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 pub use render::{RenderArgs, RenderFormat, TransferName};
 pub use run::{RunArgs, RunFormat};
@@ -64,6 +66,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Measure variants of lighting, or of a function: time against error
     Bench(Box<BenchArgs>),
+    /// Say what the lights of shaders cost, and where their code may leave the numbers
+    Lights(LightsArgs),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
     /// Write the lock of every shader: its layout, to be committed and compared with
@@ -303,6 +307,8 @@ pub enum Schema {
     Render,
     /// bench --format json
     Bench,
+    /// lights --format json
+    Lights,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

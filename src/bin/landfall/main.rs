@@ -16,6 +16,7 @@ mod encode;
 mod explain;
 mod inputs;
 mod layout;
+mod lights;
 mod lock;
 mod merge;
 mod output;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
         Command::Stress(args) => stress::run(args, &streams),
         Command::Render(args) => render::run(args, &streams),
         Command::Bench(args) => bench::run(args, &streams),
+        Command::Lights(args) => lights::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

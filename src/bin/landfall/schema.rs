@@ -15,6 +15,7 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Stress => emit::stress::STRESS_SCHEMA,
         Schema::Verify => emit::verify::VERIFY_SCHEMA,
         Schema::Bench => emit::bench::BENCH_SCHEMA,
+        Schema::Lights => emit::lights::LIGHTS_SCHEMA,
         Schema::Devices => emit::DEVICES_SCHEMA,
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
         Schema::Lock => emit::LOCK_SCHEMA,
