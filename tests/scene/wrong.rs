@@ -692,6 +692,7 @@ fn lines_and_columns_are_those_of_an_editor() {
 #[test]
 fn everything_wrong_is_told_at_once() {
     let text = RIGHT
+        .replace("\"up\": [0, 1, 0]", "\"up\": [0, 0, 9]")
         .replace("\"fov\": 45", "\"fov\": 200")
         .replace("0.25, 0.5", "-0.25, \"nan\"")
         .replace("\"linear\": 0.09", "\"linear\": -0.09")
@@ -701,6 +702,7 @@ fn everything_wrong_is_told_at_once() {
     assert_eq!(
         codes,
         [
+            "up-along-front",
             "value-out-of-range",
             "negative-color",
             "not-finite",

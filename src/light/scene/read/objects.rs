@@ -1,6 +1,7 @@
 //! The objects of a scene: their meshes, where they are, what they are made of.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DMat3, DMat4, DVec3};
@@ -20,10 +21,11 @@ pub(super) fn read(
     walk: &mut Walk,
     root: &Members<'_>,
     materials: Option<&[Material]>,
+    path: &str,
     open: &Open<'_>,
 ) -> Option<Vec<Object>> {
     let Some(at) = root.get("objects") else { return Some(Vec::new()) };
-    let mut reader = Reader { materials, open, obj: HashMap::new() };
+    let mut reader = Reader { materials, path, open, obj: HashMap::new() };
     let mut objects = Vec::new();
     let mut triangles = 0;
     let mut whole = true;
@@ -46,6 +48,8 @@ pub(super) fn read(
 
 struct Reader<'r> {
     materials: Option<&'r [Material]>,
+    /// Of the scene, which files are beside.
+    path: &'r str,
     open: &'r Open<'r>,
     /// Files read so far; none where something is wrong with one.
     obj: HashMap<String, Option<Mesh>>,
@@ -144,7 +148,8 @@ impl Reader<'_> {
             }
         };
         let read = read_obj(&text);
-        let file = walk.files.add(name, Arc::from(text));
+        let shown = Path::new(self.path).with_file_name(name).display().to_string();
+        let file = walk.files.add(shown, Arc::from(text));
         let span =
             |at: &std::ops::Range<usize>| Span { file, start: at.start as u32, end: at.end as u32 };
         match read {
