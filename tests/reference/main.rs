@@ -264,8 +264,8 @@ fn a_normal_of_four_components_bends_with_the_distance() {
             }
         }
         println!("{most:.2} degrees at a distance of {distance}");
-        // At most half of what lies between them; a search of fewer directions found the figures.
-        assert!(most >= 0.99 * degrees && most < 15.0, "{most} at {distance}");
+        // Never past the other normal; a search of fewer directions found the figures.
+        assert!(most >= 0.99 * degrees && most < 30.0, "{most} at {distance}");
         assert!(distance > 2.0 || most <= 1.01 * degrees, "{most} at {distance}");
     }
     let flat = glam::DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0));
