@@ -128,7 +128,7 @@ pub fn draw(family: usize, number: u64) -> Point {
     model.reflectance =
         [Reflectance::Ignored, Reflectance::Gate, Reflectance::Factor][d.whole(3) as usize];
     model.power = [Power::Material, Power::Ten][d.whole(2) as usize];
-    if number % 4 == 0 {
+    if number.is_multiple_of(4) {
         model = Model { cone_numbers: model.cone_numbers, ..own };
     }
 
