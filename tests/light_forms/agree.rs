@@ -3,7 +3,7 @@
 
 use fastrand::Rng;
 
-use super::scene::{Number, Scene, light};
+use super::scene::{Number, Scene, light, light_with};
 
 const FRAGMENTS: usize = 64;
 
@@ -120,6 +120,28 @@ fn six_lights_agree() {
         scene.textures.retain(|(name, _)| *name != "flashlight");
         scene.textures.push(("flashlight", TEXTURES[1].1));
         same(&["shaders/seed/six_lights_450.frag", "shaders/six_lights/phong_300es.frag"], &scene);
+    }
+}
+
+#[test]
+fn squarings_are_the_power_they_stand_for() {
+    let mut rng = Rng::with_seed(6);
+    let mut scene = Scene { textures: TEXTURES.to_vec(), ..Scene::default() };
+    surface(&mut scene, &mut rng, 0.0, false);
+    scene.set(&["viewPos"], place(&mut rng, 0.0));
+    scene.set(&["material.shininess", "shininess"], Number::One(32.0));
+    terms(&mut scene, &mut rng, "light");
+    scene.set(&["light.direction"], Number::Three(down(&mut rng)));
+    for file in ["directional_450.frag", "directional_330.frag", "directional.wgsl"] {
+        let file = format!("shaders/casters/{file}");
+        let (any, _) = light(&file, &scene);
+        let colours = |count| light_with(&file, &scene, &[("SQUARINGS", count)]).0;
+        let off = |a: &[[f64; 3]]| {
+            let pairs = a.iter().flatten().zip(any.iter().flatten());
+            pairs.map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max)
+        };
+        assert!(off(&colours(5)) < 1e-9, "{file}");
+        assert!(off(&colours(4)) > 1e-3, "{file}: it makes a difference");
     }
 }
 
@@ -288,6 +310,22 @@ fn many_lights_agree() {
             let files: Vec<&str> = files.iter().map(String::as_str).collect();
             assert_eq!(same(&files, &scene), 2 * FRAGMENTS);
 
+            // A type left out is a type with none of its lights.
+            for extension in [".wgsl", "_330.frag"] {
+                let file = format!("shaders/many_lights/{model}{extension}");
+                for (flag, count) in [
+                    ("HAS_DIRECTIONAL_LIGHTS", "directionalCount"),
+                    ("HAS_POINT_LIGHTS", "pointCount"),
+                    ("HAS_SPOT_LIGHTS", "spotCount"),
+                ] {
+                    let mut none = scene.clone();
+                    none.members.retain(|member| member.paths[0] != count);
+                    let without = light_with(&file, &scene, &[(flag, 0)]);
+                    assert_eq!(without, light(&file, &none), "{file}, {flag}");
+                    assert_ne!(without, light(&file, &scene), "{file}, {flag}");
+                }
+            }
+
             // One tile, with a list of all of them.
             scene.set(&["tileSize"], Number::Count(16));
             scene.set(&["tilesAcross"], Number::Count(1));
@@ -295,17 +333,13 @@ fn many_lights_agree() {
             for i in 0..7 {
                 scene.set(&[&format!("indices[{i}]")], Number::Count(i));
             }
-            let listed = ["_listed_450.frag", "_listed.wgsl"];
-            let files = listed.map(|extension| format!("shaders/many_lights/{model}{extension}"));
-            let (expected, _) = light(&format!("shaders/many_lights/{model}.wgsl"), &{
-                let mut scene = scene.clone();
-                scene
-                    .members
-                    .retain(|m| !m.paths[0].contains("til") && !m.paths[0].contains("ind"));
-                scene
-            });
-            for file in &files {
-                assert_eq!(light(file, &scene).0, expected, "{file}");
+            let mut all = scene.clone();
+            all.members
+                .retain(|m| !m.paths[0].starts_with("til") && !m.paths[0].starts_with("ind"));
+            for extension in ["_450.frag", ".wgsl"] {
+                let file = |listed| format!("shaders/many_lights/{model}{listed}{extension}");
+                // In the order of the list, every light is computed as before.
+                assert_eq!(light(&file("_listed"), &scene), light(&file(""), &all), "{extension}");
             }
         }
     }

@@ -8,7 +8,7 @@ use landfall::run::eval::{Invocations, Port, Precision, Program, Settings};
 use landfall::run::module::HandleKind;
 use landfall::run::reader::{Resource, ResourceKind};
 use landfall::shape::ArrayLen;
-use landfall::{Options, Source, Stage};
+use landfall::{Language, Options, Source, Stage};
 
 /// A value of a member.
 #[derive(Clone, Copy, Debug)]
@@ -108,8 +108,25 @@ fn resources(file: &str, module: &Module, scene: &Scene, tail: usize) -> Vec<Res
 
 /// Red, green and blue of each fragment in `f64`, and what was undefined.
 pub fn light(file: &str, scene: &Scene) -> (Vec<[f64; 3]>, Vec<String>) {
+    light_with(file, scene, &[])
+}
+
+/// The same of a shader some of whose numbers are known before: macros of GLSL, overrides of WGSL.
+pub fn light_with(
+    file: &str,
+    scene: &Scene,
+    known: &[(&str, i32)],
+) -> (Vec<[f64; 3]>, Vec<String>) {
     let source = Source::read(file).expect("the shader is there");
-    let module = Module::new(&source, &Options::default()).unwrap_or_else(|f| panic!("{f:?}"));
+    let glsl = source.language == Language::Glsl && !source.text.contains("constant_id");
+    let mut options = Options::default();
+    if glsl {
+        options.read.defines =
+            known.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
+    }
+    let overrides: Vec<(String, f64)> =
+        known.iter().map(|(name, value)| (name.to_string(), f64::from(*value))).collect();
+    let module = Module::new(&source, &options).unwrap_or_else(|f| panic!("{f:?}"));
     let entries = module.entry_points();
     let entry = entries.iter().find(|e| e.stage == Stage::Fragment).expect("a fragment stage");
     let column = |all: &[[f32; 3]]| -> Vec<Vec<u64>> {
@@ -129,7 +146,7 @@ pub fn light(file: &str, scene: &Scene) -> (Vec<[f64; 3]>, Vec<String>) {
     let settings =
         Settings { precision: Precision::Double, watch: true, threads: 1, ..Settings::default() };
     let bound = resources(file, &module, scene, 8);
-    let outputs = Program::new(&module, &[])
+    let outputs = Program::new(&module, &overrides)
         .run_entry(&entry.name, &invocations, &bound, &settings)
         .unwrap_or_else(|failure| panic!("{file}: {failure:?}"));
     let colour = &outputs.ports[0].1.doubles;
