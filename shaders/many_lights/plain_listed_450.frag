@@ -3,11 +3,24 @@
 // spotlights, as long as the scene needs them. Their attenuation has no end.
 // The screen is cut into tiles; each has a list of the point lights that reach it.
 //
-// The constants leave out the types a scene has none of, with their loops and their code.
+// Types a scene has none of are left out, with their loops and their code: by macros, or,
+// with SPECIALIZED, by the constants of a pipeline.
 
+#ifdef SPECIALIZED
 layout(constant_id = 0) const bool HAS_DIRECTIONAL_LIGHTS = true;
 layout(constant_id = 1) const bool HAS_POINT_LIGHTS = true;
 layout(constant_id = 2) const bool HAS_SPOT_LIGHTS = true;
+#else
+#ifndef HAS_DIRECTIONAL_LIGHTS
+#define HAS_DIRECTIONAL_LIGHTS 1
+#endif
+#ifndef HAS_POINT_LIGHTS
+#define HAS_POINT_LIGHTS 1
+#endif
+#ifndef HAS_SPOT_LIGHTS
+#define HAS_SPOT_LIGHTS 1
+#endif
+#endif
 
 #define MAX_DIRECTIONAL_LIGHTS 4
 
@@ -174,13 +187,13 @@ void main() {
     vec3 viewDir = unit(viewPos - FragPos);
 
     vec3 sum = ambient.color * ambient.intensity * material.diffuse;
-    if (HAS_DIRECTIONAL_LIGHTS) {
+    if (bool(HAS_DIRECTIONAL_LIGHTS)) {
         uint directionals = min(directionalCount, uint(MAX_DIRECTIONAL_LIGHTS));
         for (uint i = 0u; i < directionals; i++) {
             sum += directional_light(directionalLights[i], normal, viewDir);
         }
     }
-    if (HAS_POINT_LIGHTS) {
+    if (bool(HAS_POINT_LIGHTS)) {
         uvec2 at = uvec2(gl_FragCoord.xy) / max(tileSize, 1u);
         uint here = min(at.y * tilesAcross + at.x, uint(tiles.length()) - 1u);
         Tile tile = tiles[here];
@@ -192,7 +205,7 @@ void main() {
             }
         }
     }
-    if (HAS_SPOT_LIGHTS) {
+    if (bool(HAS_SPOT_LIGHTS)) {
         uint spots = min(spotCount, uint(spotLights.length()));
         for (uint i = 0u; i < spots; i++) {
             sum += spot_light(spotLights[i], FragPos, normal, viewDir);

@@ -118,9 +118,8 @@ pub fn light_with(
     known: &[(&str, i32)],
 ) -> (Vec<[f64; 3]>, Vec<String>) {
     let source = Source::read(file).expect("the shader is there");
-    let glsl = source.language == Language::Glsl && !source.text.contains("constant_id");
     let mut options = Options::default();
-    if glsl {
+    if source.language == Language::Glsl {
         options.read.defines =
             known.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
     }
