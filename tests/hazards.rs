@@ -93,11 +93,6 @@ fn misfit(expect: &Value, reader: &str, report: &CallReport) -> Option<String> {
     }
 }
 
-/// No WGSL, and no constants of Vulkan's.
-fn opengl_takes(source: &Source) -> bool {
-    source.language == Language::Glsl && !source.text.contains("constant_id")
-}
-
 /// Runs every case by one reader; how many calls that were.
 fn classified(reader: &mut dyn Reader) -> usize {
     let name = reader.device().reader;
@@ -116,7 +111,7 @@ fn classified(reader: &mut dyn Reader) -> usize {
                 let source = sources
                     .entry(path.to_string())
                     .or_insert_with(|| Source::read(path).expect("the shader is there"));
-                if name == "gl" && !opengl_takes(source) {
+                if name == "gl" && source.language == Language::Wgsl {
                     continue;
                 }
                 let request = Request {

@@ -324,6 +324,7 @@ fn is_known(source: &Source, reader: &str, reason: &str) -> bool {
                         "small_and_large_scalars.comp",
                         "specialization_constant.frag",
                         "scene_450.vert",
+                        "view_space_450.vert",
                     ]
                     .iter()
                     .any(|name| named(name))
