@@ -1,7 +1,7 @@
 //! Which structures are lights, what kind, and which member plays which part.
 //!
 //! Guessed from names, types and nesting alone: no scene and no function is looked at.
-//! Reads [`shape`](crate::shape) and [`layout`](crate::layout); feeds the binding map,
+//! Reads [`shape`](crate::shape) and [`layout`](mod@crate::layout); feeds the binding map,
 //! [`cost`](super::cost), and the lints of lights.
 
 mod count;

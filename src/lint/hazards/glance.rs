@@ -256,8 +256,8 @@ fn uncommented(text: &str, into: &mut String) {
         let comment = &rest[at..];
         rest = if comment.starts_with("//") {
             comment.find('\n').map_or("", |end| &comment[end..])
-        } else if comment.starts_with("/*") {
-            comment[2..].find("*/").map_or("", |end| &comment[2 + end + 2..])
+        } else if let Some(inner) = comment.strip_prefix("/*") {
+            inner.find("*/").map_or("", |end| &inner[end + 2..])
         } else {
             into.push('/');
             &comment[1..]
