@@ -1,7 +1,7 @@
 //! Which structures are lights, what kind, and which member plays which part.
 //!
 //! Guessed from names, types and nesting alone: no scene and no function is looked at.
-//! Reads [`shape`](crate::shape) and [`layout`](crate::layout); feeds the binding map,
+//! Reads [`shape`](crate::shape) and [`layout`](mod@crate::layout); feeds the binding map,
 //! [`cost`](super::cost), and the lints of lights.
 
 mod count;
@@ -11,7 +11,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use self::count::count_of;
+use self::count::{count_of, counts};
 use self::names::{is_about_something_else, is_light};
 use super::words::words;
 use crate::layout::{BlockLayout, MemberLayout};
@@ -230,6 +230,9 @@ impl Held<'_> {
     }
 }
 
+/// Lights of one shader at most; a text made to take long has more.
+const MOST_LIGHTS: usize = 256;
+
 /// A structure with more leaves is no light.
 const MOST_LEAVES: u64 = 200;
 
@@ -259,8 +262,10 @@ pub fn held(blocks: &[BlockLayout]) -> Vec<Held<'_>> {
             all.extend(whole_block(block).or_else(|| members_alone(block)));
         }
     }
+    all.truncate(MOST_LIGHTS);
+    let counts = counts(blocks);
     for light in &mut all {
-        light.count = count_of(light, blocks);
+        light.count = count_of(light, &counts);
     }
     all
 }

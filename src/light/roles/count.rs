@@ -6,36 +6,52 @@ use crate::layout::{BlockLayout, MemberLayout};
 use crate::light::words::words;
 use crate::shape::{ScalarKind, Type};
 
-/// The whole number beside an array of lights, or in another block, that counts them.
-pub(super) fn count_of<'a>(light: &Held<'a>, blocks: &'a [BlockLayout]) -> Option<Count<'a>> {
+/// A whole number whose name speaks of a count, and the words of it.
+pub(super) struct Candidate<'a> {
+    count: Count<'a>,
+    said: Vec<String>,
+}
+
+/// Every member of blocks that may count something.
+pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<Candidate<'_>> {
+    let mut all = Vec::new();
+    for block in blocks {
+        for member in block.members.iter().filter(|m| is_whole_number(m)) {
+            let said = words(&member.name);
+            if says_count(&said) && all.len() < MOST_COUNTS {
+                all.push(Candidate { count: Count { block, member }, said });
+            }
+        }
+    }
+    all
+}
+
+/// Counts of one shader that are looked at.
+const MOST_COUNTS: usize = 256;
+
+/// The count of an array of lights: beside it, or in another block if its name speaks of them.
+pub(super) fn count_of<'a>(light: &Held<'a>, counts: &[Candidate<'a>]) -> Option<Count<'a>> {
     if light.dims.is_empty() {
         return None;
     }
     let own = [light.roles.name.as_ref(), &light.path, light.block.name.as_ref()].map(words);
+    let is_own = |word: &String| own.iter().flatten().any(|o| same_word(o, word));
     let kinds = ["point", "spot", "directional", "dir", "area"];
-    let mut best: Option<(u32, Count<'a>)> = None;
-    for block in blocks {
-        let beside = std::ptr::eq(block, light.block);
-        for member in block.members.iter().filter(|m| is_whole_number(m)) {
-            let said = words(&member.name);
-            if !says_count(&said) {
-                continue;
-            }
-            // `numSpotLights` does not count point lights.
-            let foreign = said.iter().filter(|w| kinds.contains(&w.as_str()));
-            if foreign.clone().any(|w| !own.iter().flatten().any(|o| same_word(o, w))) {
-                continue;
-            }
-            let is_light = is_light(&said);
-            let shared = said.iter().filter(|w| own.iter().flatten().any(|o| same_word(o, w)));
-            let shared = shared.count() as u32;
-            if !beside && !is_light && shared == 0 {
-                continue;
-            }
-            let score = 4 * u32::from(beside) + 2 * shared + u32::from(is_light);
-            if best.as_ref().is_none_or(|(known, _)| *known < score) {
-                best = Some((score, Count { block, member }));
-            }
+    let mut best: Option<(usize, Count<'a>)> = None;
+    for Candidate { count, said } in counts {
+        // `numSpotLights` does not count point lights.
+        if said.iter().any(|word| kinds.contains(&word.as_str()) && !is_own(word)) {
+            continue;
+        }
+        let beside = std::ptr::eq(count.block, light.block);
+        let of_lights = is_light(said);
+        let shared = said.iter().filter(|word| is_own(word)).count();
+        if !beside && !of_lights && shared == 0 {
+            continue;
+        }
+        let score = 4 * usize::from(beside) + 2 * shared + usize::from(of_lights);
+        if best.as_ref().is_none_or(|(known, _)| *known < score) {
+            best = Some((score, *count));
         }
     }
     best.map(|(_, count)| count)

@@ -9,6 +9,7 @@ pub(super) mod attenuation_division;
 pub(super) mod cone_division;
 pub(super) mod cosine_cone;
 pub(super) mod degrees_for_cosine;
+mod glance;
 pub(super) mod kahan_without_precise;
 pub(super) mod loop_past_count;
 mod mediump;
@@ -22,6 +23,8 @@ pub(super) mod uninitialised_accumulator;
 pub(super) mod unnormalised_normal;
 pub(super) mod vec4_normalise;
 mod words;
+
+use glance::Glance;
 
 use super::{Check, Finding, LINTS, Level, Lint, Place, Subject};
 use crate::layout::MemberLayout;
@@ -81,37 +84,33 @@ pub fn finding(hazard: &Hazard, files: &Files, language: Language) -> Finding {
 
 /// The findings of those lints in one shader.
 pub(super) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
-    if kinds.is_empty() || !may_light(&subject.source.text) {
+    if kinds.is_empty() {
         return Vec::new();
     }
-    let lights = held(&subject.shader.blocks);
+    let shader = subject.shader;
+    let lights = held(&shader.blocks);
     // Normals are transformed where there is no light yet.
-    let text = &subject.source.text;
-    let transforms = kinds.contains(&Kind::Vec4Normalise)
-        && text.contains("transpose")
-        && text.contains("normalize");
-    if lights.is_empty() && !transforms {
+    let dark = [Kind::Vec4Normalise];
+    let asked = if lights.is_empty() { &dark[..] } else { kinds };
+    let mut asked: Vec<Kind> = asked.iter().copied().filter(|kind| kinds.contains(kind)).collect();
+    if asked.is_empty() || (lights.is_empty() && !subject.source.text.contains("transpose")) {
         return Vec::new();
     }
-    let kinds = if lights.is_empty() { &[Kind::Vec4Normalise] } else { kinds };
-    let analysis = analyse(subject.source, subject.options, subject.shader, &lights);
+    let glance = Glance::new(shader);
+    asked.retain(|kind| glance.may_have(*kind, &lights));
+    if asked.is_empty() {
+        return Vec::new();
+    }
+    let analysis = analyse(subject.source, subject.options, shader, &lights);
     let said = analysis.found.hazards.iter().filter(|hazard| {
         // A warning is for what is there, not for what might be.
         let least = match lint_of(hazard.kind).level {
             Level::Allow => Certainty::Possible,
             Level::Warn | Level::Deny => Certainty::Likely,
         };
-        kinds.contains(&hazard.kind) && hazard.certainty >= least
+        asked.contains(&hazard.kind) && hazard.certainty >= least
     });
-    let language = subject.shader.language;
-    said.map(|hazard| finding(hazard, &subject.shader.files, language)).collect()
-}
-
-/// Whether a text computes anything that could be lighting: most files need not be followed.
-fn may_light(text: &str) -> bool {
-    ["dot", "normalize", "pow", "reflect", "distance", "length", "for"]
-        .iter()
-        .any(|word| text.contains(word))
+    said.map(|hazard| finding(hazard, &shader.files, shader.language)).collect()
 }
 
 /// Whether a hazard stands once names and comments are looked at.

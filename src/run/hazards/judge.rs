@@ -34,6 +34,9 @@ enum Need {
     NotNegative(Id),
 }
 
+/// Hazards before a choice that it may rule out.
+const MOST_RECONSIDERED: usize = 64;
+
 /// Cosines are below this; what they are compared with should be.
 const PAST_ONE: f64 = 1.0001;
 
@@ -54,7 +57,8 @@ impl<'m> Walk<'m> {
     /// Takes back what cannot happen where a value is chosen.
     pub fn reconsider(&mut self, chosen: Id) {
         let mut met = Vec::new();
-        for (index, candidate) in self.candidates.iter().enumerate() {
+        let latest = self.candidates.len().saturating_sub(MOST_RECONSIDERED);
+        for (index, candidate) in self.candidates.iter().enumerate().skip(latest) {
             let Some(need) = candidate.need else { continue };
             let node = candidate.node;
             if !self.graph.contains(chosen, &mut |id| id == node) {

@@ -1,9 +1,9 @@
 //! Where a shader's lighting may leave the numbers: found by following values through its IR.
 //!
-//! [`walk`] runs a [`Module`](super::Module) on names instead of numbers, from its entry points,
-//! calls inlined: every value is a node of a [`graph`], what is known of it is [`facts`], and
-//! [`judge`] looks at each operation when it is met, under the conditions that hold there. What
-//! it says are [`Hazard`]s with places in the user's text; [`light`](crate::light) words them.
+//! `walk` runs a [`Module`] on names instead of numbers, from its entry points, calls inlined:
+//! every value is a node of a `graph`, what is known of it is `facts`, and `judge` looks at each
+//! operation when it is met, under the conditions that hold there. What it says are [`Hazard`]s
+//! with places in the user's text; [`lint::hazards`](crate::lint::hazards) words them.
 
 mod assume;
 mod control;

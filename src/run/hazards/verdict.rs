@@ -1,13 +1,14 @@
 //! What is known at the end only: how arrays of lights are looped over, and all there is to say,
 //! each place once.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::graph::{Id, Leaf};
 use super::judge::Candidate;
 use super::walk::Walk;
 use super::{Access, Bound, Certainty, Found, Hazard, Kind};
 use crate::light::roles::Role;
+use crate::source::Span;
 
 impl Walk<'_> {
     /// All that was found, each place once.
@@ -16,9 +17,11 @@ impl Walk<'_> {
         self.look_at_accesses();
         let cut_short = self.is_cut_short();
         let mut hazards: Vec<Hazard> = Vec::new();
+        let mut places: FxHashMap<(Kind, Span), usize> = FxHashMap::default();
         for Candidate { hazard, .. } in std::mem::take(&mut self.candidates) {
-            let same = |known: &&mut Hazard| known.kind == hazard.kind && known.span == hazard.span;
-            match hazards.iter_mut().find(same) {
+            let next = hazards.len();
+            let at = *places.entry((hazard.kind, hazard.span)).or_insert(next);
+            match hazards.get_mut(at) {
                 Some(known) => known.certainty = known.certainty.max(hazard.certainty),
                 None => hazards.push(hazard),
             }

@@ -1,5 +1,5 @@
-//! Statements, one after the other: branches joined, loops run once with what they change unknown,
-//! calls inlined.
+//! Statements one after the other, calls inlined; [`control`](super::control) has branches and
+//! loops.
 
 use naga::{AddressSpace, Block, Expression, Function, Handle, Statement};
 use rustc_hash::{FxHashMap, FxHashSet};
