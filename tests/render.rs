@@ -101,11 +101,13 @@ fn six_lights_are_the_reference_to_a_step_on_every_reader() {
             let model = likely(&renderer.map);
             let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
             let held = held(&rendered, &made.truth(&model));
-            println!("{shader} on {who}: {:?} {:?}", held.linear, held.codes);
             assert_eq!(rendered.picture.non_finite(), 0, "{shader} on {who}");
             assert_eq!(held.left_out, 0, "{shader} on {who}: nothing is undefined");
             assert!(held.codes.max <= 1, "{shader} on {who}: {:?}", held.codes);
-            assert!(held.codes.flips <= 5e-5, "{shader} on {who}: {:?}", held.codes);
+            // Of the channels that were lit: the background is the same in any case.
+            let flips: u64 = held.codes.counts[1..].iter().sum();
+            let part = flips as f64 / (3 * rendered.fragments) as f64;
+            assert!(part <= 5e-5, "{shader} on {who}: {:?}", held.codes);
             assert!(held.linear.max <= 2e-3, "{shader} on {who}: {:?}", held.linear);
             let lights = 6 * rendered.fragments;
             assert_eq!(rendered.evaluations, lights, "{shader} on {who}");
@@ -140,7 +142,6 @@ fn every_scene_is_lit_as_its_reference_says() {
                 let model = likely(&renderer.map);
                 let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
                 let held = held(&rendered, &made.truth(&model));
-                println!("{name}, {shader} on {who}: {:?} {:?}", held.linear, held.codes);
                 assert!(held.codes.max <= most, "{shader} on {who}: {:?} {model:?}", held.codes);
                 assert_eq!(rendered.picture.non_finite(), 0, "{shader} on {who}");
                 let lit = rendered.picture.pixels.iter().flatten().any(|c| *c > 0.2 && *c < 1.0);
@@ -201,7 +202,6 @@ fn a_thousand_lights_are_the_reference_whole_and_by_lists() {
         let model = likely(&renderer.map);
         let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
         let held = held(&rendered, &made.truth(&model));
-        println!("{shader}: {:?} {:?}", held.linear, held.codes);
         assert!(held.codes.max <= 1, "{shader}: {:?} {model:?}", held.codes);
         pictures.push(rendered.picture);
     }
