@@ -62,6 +62,7 @@ fn echoes() -> Vec<(&'static str, String)> {
     };
     let mut texts = vec![
         ("none.frag", old("", "")),
+        ("precise.frag", old("#ifdef GL_ES\nprecision mediump float;\n#endif", "highp ")),
         ("110.frag", old("#version 110", "")),
         ("120.frag", old("#version 120", "")),
         ("100es.frag", old("#version 100", "highp ")),

@@ -100,10 +100,11 @@ impl FragmentShader {
                            `fwidth`), and fragments of a list have no neighbours";
             return Err(vec![Diagnostic::error("cannot-run", crate::Span::default(), message)]);
         }
+        let original = text::versioned(source, &options.read);
         let texts = match source.language {
             Language::Wgsl => None,
             Language::Glsl => {
-                let made = |writes| text::text(source, &options.read, &fetching.inputs, writes);
+                let made = |writes| text::text(&original, &options.read, &fetching.inputs, writes);
                 let covered = fetching.covered.as_ref().map(|_| made(text::Writes::White));
                 Some((made(text::Writes::Result), covered))
             }
@@ -113,7 +114,7 @@ impl FragmentShader {
             covered: fetching.covered.map(Arc::new),
             entry: fetching.entry,
             texts,
-            wants_size: text::wants_size(source, &options.read),
+            wants_size: text::wants_size(&original, &options.read),
             inputs: fetching.inputs,
             atlas: fetching.atlas,
             language: source.language,

@@ -5,6 +5,7 @@
 //! Everything else stays as it was written; includes are put in and macros expanded first, so
 //! that a declaration made by a macro is found.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -31,6 +32,24 @@ pub(super) enum Writes {
     Result,
     /// White wherever the shader does not discard.
     White,
+}
+
+/// A text without `#version` that has precisions is of OpenGL ES, whose compilers take it so.
+pub(super) fn versioned<'s>(source: &'s Source, options: &ReadOptions) -> Cow<'s, Source> {
+    if source.language != Language::Glsl || source.text.contains("#version") {
+        return Cow::Borrowed(source);
+    }
+    let flat = raw::flattened(source, options);
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let precise =
+        flat.split(|c| !is_word(c)).any(|word| matches!(word, "lowp" | "mediump" | "highp"));
+    match precise {
+        true => {
+            let text = Arc::from(format!("#version 100\n{}", source.text));
+            Cow::Owned(Source { text, ..source.clone() })
+        }
+        false => Cow::Borrowed(source),
+    }
 }
 
 /// Whether the text fetches by coordinates from 0 to 1, and so wants to know the size.
