@@ -56,6 +56,10 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
             let _ = writeln!(text, "    {}", paint.text(FAINT, &tests));
         }
     }
+    if !savings.compiled.is_empty() {
+        let said = savings.compiled.join(", ");
+        let _ = writeln!(text, "  {}  {said}", paint.text(HEADING, "compiled with"));
+    }
     for note in &savings.notes {
         let _ = writeln!(text, "  {}", paint.text(CAUTION, note));
     }
@@ -64,10 +68,15 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
 
 /// The same as one JSON document.
 pub fn json(plan: &Plan) -> String {
+    let document =
+        Document { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, plan: object(plan) };
+    format!("{}\n", to_lines(&document, 0))
+}
+
+/// What a larger document holds of it.
+pub(super) fn object(plan: &Plan) -> Body<'_> {
     let savings = &plan.savings;
-    let document = Document {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    Body {
         fragments: savings.fragments,
         evaluations: Evaluations { before: savings.before, after: savings.after },
         draws: plan.draws.len(),
@@ -78,10 +87,10 @@ pub fn json(plan: &Plan) -> String {
             point: plan.compiled.point,
             spot: plan.compiled.spot,
         },
+        constants: &savings.compiled,
         steps: savings.steps.iter().map(StepObject::of).collect(),
         notes: &savings.notes,
-    };
-    format!("{}\n", to_lines(&document, 0))
+    }
 }
 
 /// Whether it is certain, and what it says; nothing of an option that was not applied.
@@ -140,11 +149,18 @@ fn count(n: u64, what: &str) -> String {
 struct Document<'a> {
     schema_version: u32,
     tool: Tool,
+    #[serde(flatten)]
+    plan: Body<'a>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Body<'a> {
     fragments: u64,
     evaluations: Evaluations,
     draws: usize,
     grids: usize,
     compiled: CompiledObject,
+    constants: &'a [String],
     steps: Vec<StepObject<'a>>,
     notes: &'a [String],
 }

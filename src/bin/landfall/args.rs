@@ -291,6 +291,8 @@ pub enum Schema {
     Run,
     /// render --format json
     Render,
+    /// The plan in render --skip PARTS --format json
+    Plan,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

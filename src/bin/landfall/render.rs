@@ -2,6 +2,7 @@
 
 mod asked;
 mod compare;
+mod plan;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -24,6 +25,7 @@ use crate::args::{ReaderName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::readers;
 use asked::Asked;
+use plan::Planned;
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -34,6 +36,10 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Some(asked) => asked,
         None => return Ok(Outcome::CouldNot),
     };
+    if args.skip.as_deref() == Some("help") {
+        streams.product(&plan::help())?;
+        return Ok(Outcome::Clean);
+    }
     if args.print_bind {
         return print_bind(args, &asked, streams, &style);
     }
@@ -145,7 +151,9 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         report.shader = None;
         truth.picture
     } else {
-        let lighted = made.light(args.reader, args, streams)?;
+        let planned = plan::plan(args, asked, &made)?;
+        let lighted = made.light(args.reader, planned.as_ref(), args, streams)?;
+        report.plan = planned.map(|planned| planned.plan);
         report.device = Some(lighted.device);
         report.tally = lighted.tally;
         report.time = lighted.time;
@@ -225,6 +233,7 @@ impl Made<'_> {
             tally: None,
             map: self.renderer.as_ref().map(|renderer| renderer.map.clone()),
             model: self.model,
+            plan: None,
             compared: Vec::new(),
             written: Vec::new(),
             notes,
@@ -242,14 +251,17 @@ impl Made<'_> {
     fn light(
         &self,
         name: ReaderName,
+        planned: Option<&Planned>,
         args: &RenderArgs,
         streams: &Streams,
     ) -> Result<Lighted, Stop> {
-        let renderer = self.renderer.as_ref().expect("a reader is asked only with a shader");
+        let whole = self.renderer.as_ref().expect("a reader is asked only with a shader");
+        let renderer = planned.map_or(whole, |planned| &planned.renderer);
         let [directional, point, spot] = self.numbers();
         let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+        let plan = planned.map(|planned| &planned.plan);
         let Made { upload, frame, limit, .. } = self;
         let background = self.scene.background;
         let work = Work { upload, frame, background, limit: *limit };
@@ -270,11 +282,14 @@ impl Made<'_> {
                 let mut cpu = Cpu::new(settings);
                 let mut tally = Tally::default();
                 let begun = Instant::now();
-                let rendered =
-                    renderer.render(&mut cpu, &work, &draws, &mut |cpu: &mut Cpu, n| {
-                        tally.add(&cpu.notes);
-                        progress(n);
-                    })?;
+                let after = &mut |cpu: &mut Cpu, n: usize| {
+                    tally.add(&cpu.notes);
+                    progress(n);
+                };
+                let rendered = match plan {
+                    Some(plan) => renderer.render_plan(&mut cpu, &work, plan, after)?,
+                    None => renderer.render(&mut cpu, &work, &draws, after)?,
+                };
                 (rendered, cpu.device().clone(), Some(tally), begun.elapsed())
             }
             ReaderName::Gl | ReaderName::Gpu => {
@@ -287,7 +302,10 @@ impl Made<'_> {
                 })?;
                 let begun = Instant::now();
                 let after = &mut |_: &mut (dyn Reader + 'static), n: usize| progress(n);
-                let rendered = renderer.render(reader.as_mut(), &work, &draws, after)?;
+                let rendered = match plan {
+                    Some(plan) => renderer.render_plan(reader.as_mut(), &work, plan, after)?,
+                    None => renderer.render(reader.as_mut(), &work, &draws, after)?,
+                };
                 (rendered, reader.device().clone(), None, begun.elapsed())
             }
         };
@@ -299,6 +317,9 @@ fn told(args: &RenderArgs, report: &RenderReport, streams: &Streams) -> Result<O
     match args.format {
         RenderFormat::Human => {
             streams.product(&print::text(report, streams.paint))?;
+            if let (true, Some(plan)) = (args.plan, &report.plan) {
+                streams.product(&emit::plan::text(plan, streams.paint))?;
+            }
             streams.finish()?;
             let notes: Vec<Diagnostic> = report.notes.iter().map(|note| warning(note)).collect();
             let style = streams.style(FindingForm::Human);

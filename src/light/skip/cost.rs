@@ -33,6 +33,14 @@ impl Costs {
         call: 256,
     };
 
+    /// The evaluator of this crate, which interprets the shader on all cores.
+    pub const EVALUATOR: Costs =
+        Costs { evaluation: 50.0, draw: 100_000.0, light: 1_000.0, ..Costs::CPU };
+
+    /// A driver, to which every draw is a job of its own that is waited for.
+    pub const DRIVER: Costs =
+        Costs { evaluation: 8.0, draw: 1_000_000.0, light: 1_000.0, ..Costs::CPU };
+
     /// Modelled nanoseconds of lighting a frame by a plan, with what making it took.
     pub fn of(&self, plan: &Plan, tests: u64, sorted: u64) -> f64 {
         let mut nanoseconds = self.evaluation * plan.evaluations() as f64
