@@ -144,3 +144,29 @@ fn shader_compiled_for_two_of_128_lights_gives_the_same_bits_and_uploads_less() 
     let model = reference::Model::of(reference::Family::Array);
     assert!(Model::of(&model).is_ok());
 }
+
+#[test]
+fn a_plan_for_another_model_than_the_shader_has_is_found_out() {
+    // The plan ends lights at their ranges; this shader does not.
+    let made = made("lights_1024_windowed.json", [64, 36], 200);
+    let shader = renderer("many_lights/plain.wgsl", Options::default());
+    let windowed = reference::Model {
+        window: reference::Window::Quartic,
+        ..reference::Model::of(reference::Family::Array)
+    };
+    let endless = reference::Model {
+        window: reference::Window::None,
+        ..reference::Model::of(windowed.family)
+    };
+    let parts = skip::parse("tiles,always").expect("good");
+    for (model, holds) in [(windowed, false), (endless, true)] {
+        let model = Model::of(&model).expect("known");
+        let plan = shader.plan(&made.work(), &model, &parts);
+        let found = by_plan(&shader, &made, &plan);
+        let mut cpu = Cpu::new(Settings::default());
+        let checked = shader.check(&mut cpu, &made.work(), &found, 50).expect("it runs");
+        assert!(checked.fragments >= 50 && checked.every > 1, "{checked:?}");
+        assert_eq!(plan.keeps(&checked), holds, "{checked:?}");
+        assert_eq!(checked.steps == 0.0, holds);
+    }
+}

@@ -14,6 +14,7 @@ use landfall::light::reference::Model;
 use landfall::light::render::tally::Tally;
 use landfall::light::render::truth::{self, Truth};
 use landfall::light::render::{Draw, RenderError, Rendered, Renderer, Work};
+use landfall::light::skip::Measured;
 use landfall::light::{Frame, Scene, Upload};
 use landfall::picture::{Picture, Transfer, file};
 use landfall::run::eval::{Cpu, Settings};
@@ -115,12 +116,17 @@ struct Made<'a> {
     limit: Duration,
 }
 
+/// Fragments that a picture by a plan is checked at.
+const CHECKED: usize = 256;
+
 /// A picture by one reader.
 struct Lighted {
     rendered: Rendered,
     device: Device,
     tally: Option<Tally>,
     time: Duration,
+    /// How far what was skipped is from the light of all lights.
+    checked: Option<Measured>,
 }
 
 fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<RenderReport, Stop> {
@@ -154,6 +160,12 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         let planned = plan::plan(args, asked, &made)?;
         let lighted = made.light(args.reader, planned.as_ref(), args, streams)?;
         report.plan = planned.map(|planned| planned.plan);
+        if let (Some(plan), Some(checked)) = (&mut report.plan, lighted.checked) {
+            if !plan.keeps(&checked) {
+                report.notes.push(plan::broken(&checked, made.model.as_ref()));
+            }
+            plan.savings.checked = Some(checked);
+        }
         report.device = Some(lighted.device);
         report.tally = lighted.tally;
         report.time = lighted.time;
@@ -276,7 +288,7 @@ impl Made<'_> {
                 streams.progress(&format!("{name}: {done} of {total} fragments, {part} %"));
             }
         };
-        let (rendered, device, tally, time) = match name {
+        let (rendered, device, tally, time, checked) = match name {
             ReaderName::Cpu => {
                 let settings = Settings { watch: args.watch, ..Settings::default() };
                 let mut cpu = Cpu::new(settings);
@@ -290,7 +302,12 @@ impl Made<'_> {
                     Some(plan) => renderer.render_plan(&mut cpu, &work, plan, after)?,
                     None => renderer.render(&mut cpu, &work, &draws, after)?,
                 };
-                (rendered, cpu.device().clone(), Some(tally), begun.elapsed())
+                let time = begun.elapsed();
+                let checked = match plan {
+                    Some(_) => Some(whole.check(&mut cpu, &work, &rendered, CHECKED)?),
+                    None => None,
+                };
+                (rendered, cpu.device().clone(), Some(tally), time, checked)
             }
             ReaderName::Gl | ReaderName::Gpu => {
                 let opened = readers::one(name, args.adapter.as_deref());
@@ -306,10 +323,15 @@ impl Made<'_> {
                     Some(plan) => renderer.render_plan(reader.as_mut(), &work, plan, after)?,
                     None => renderer.render(reader.as_mut(), &work, &draws, after)?,
                 };
-                (rendered, reader.device().clone(), None, begun.elapsed())
+                let time = begun.elapsed();
+                let checked = match plan {
+                    Some(_) => Some(whole.check(reader.as_mut(), &work, &rendered, CHECKED)?),
+                    None => None,
+                };
+                (rendered, reader.device().clone(), None, time, checked)
             }
         };
-        Ok(Lighted { rendered, device, tally, time })
+        Ok(Lighted { rendered, device, tally, time, checked })
     }
 }
 

@@ -205,7 +205,10 @@ impl Filler {
             let elements = match write.len {
                 Len::One => 1,
                 Len::Fixed(len) => len,
-                Len::Runtime => bytes.len().saturating_sub(write.offset) / write.stride.max(1),
+                // A member behind the first of the last element leaves less than a stride.
+                Len::Runtime => {
+                    bytes.len().saturating_sub(write.offset).div_ceil(write.stride.max(1))
+                }
             };
             let used = match write.source.quantity() {
                 Some(quantity) if quantity.is_each() => given.count(quantity).min(elements),

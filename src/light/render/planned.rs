@@ -7,7 +7,7 @@ use super::{Draw, RenderError, Rendered, Renderer, Work};
 use crate::light::Fragment;
 use crate::light::bind::{Kind, Lit, Quantity, Tiles};
 use crate::light::compiled::Model;
-use crate::light::skip::{self, LightSet, Options, Plan, interpolate};
+use crate::light::skip::{self, LightSet, Measured, Options, Plan, interpolate};
 use crate::run::reader::Reader;
 
 impl Renderer {
@@ -55,6 +55,37 @@ impl Renderer {
             self.add_grids(reader, work, plan, &mut rendered, after)?;
         }
         Ok(rendered)
+    }
+
+    /// Holds a picture made by a plan against the shader's own light of all lights, at about as
+    /// many of its fragments as told.
+    ///
+    /// # Errors
+    /// More lights than slots, or what the reader says.
+    pub fn check<R: Reader + ?Sized>(
+        &self,
+        reader: &mut R,
+        work: &Work<'_>,
+        rendered: &Rendered,
+        fragments: usize,
+    ) -> Result<Measured, RenderError> {
+        let lights = &work.upload.lights;
+        let every = (work.frame.fragments.len() / fragments.max(1)).max(1);
+        let numbers = |count: usize| (0..count as u32).collect::<Vec<u32>>();
+        let some = numbers(work.frame.fragments.len()).into_iter().step_by(every);
+        let some: Vec<u32> = some.collect();
+        let [directional, point, spot] =
+            [lights.directional.len(), lights.point.len(), lights.spot.len()].map(numbers);
+        let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let draw = Draw { fragments: &some, lights, tiles: None };
+        let all = self.render(reader, work, &[draw], &mut |_: &mut R, _| {})?;
+        let of = |rendered: &Rendered| -> Vec<Vec3> {
+            let pixels = some.iter().map(|n| work.frame.fragments[*n as usize].pixel as usize);
+            let color = |[r, g, b, _]: [f32; 4]| Vec3::new(r, g, b);
+            pixels.map(|at| color(rendered.picture.pixels[at])).collect()
+        };
+        let measured = skip::compare(&of(rendered), &of(&all));
+        Ok(Measured { every: every as u64, ..measured })
     }
 
     /// All fragments in one draw, whose shader reads the lists.

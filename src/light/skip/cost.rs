@@ -30,7 +30,7 @@ impl Costs {
         draw: 100.0,
         light: 8.0,
         interpolation: 25.0,
-        call: 256,
+        call: 1024,
     };
 
     /// The evaluator of this crate, which interprets the shader on all cores.

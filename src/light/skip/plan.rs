@@ -98,6 +98,8 @@ pub struct Savings {
     pub after: u64,
     /// What each option did, in the order they were applied.
     pub steps: Vec<Step>,
+    /// How far the picture is from that of all lights, by the reader that made it.
+    pub checked: Option<Measured>,
     /// Constants the shader was compiled with for it, as `NAME=VALUE`.
     pub compiled: Vec<String>,
     /// What is worth a warning: lights without a bound, lights that no slot is left for.
@@ -159,6 +161,21 @@ impl Plan {
     pub fn whole(fragments: usize, lights: LightSet) -> Plan {
         let draw = Draw { fragments: numbers(0..fragments), lights, grid: None };
         Plan { draws: vec![draw], ..Plan::default() }
+    }
+
+    /// Whether a difference from the light of all lights, measured on a reader, is what the
+    /// plan's steps say; if not, the shader computes another model than it was made for.
+    ///
+    /// Interpolation is given twice what was measured of it: another sample, another form.
+    pub fn keeps(&self, checked: &Measured) -> bool {
+        let most = self.savings.steps.iter().map(|step| match &step.error {
+            Claim::Exact(_) | Claim::Unused => 0.0,
+            Claim::Proven { steps, .. } => *steps,
+            Claim::Measured(measured) => 2.0 * measured.steps,
+            Claim::Unmeasured => f64::INFINITY,
+        });
+        // What rounding may differ by where lights are added in another order.
+        checked.steps <= most.sum::<f64>() + 1e-2
     }
 
     /// Light evaluations it takes.

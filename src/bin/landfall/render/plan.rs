@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 
 use landfall::Error;
 use landfall::light::compiled::Model;
+use landfall::light::reference;
 use landfall::light::render::{Renderer, Work};
-use landfall::light::skip::{self, Costs, Place, Plan};
+use landfall::light::skip::{self, Costs, Measured, Place, Plan};
 
 use super::asked::Asked;
 use super::{Made, Stop};
@@ -25,6 +26,19 @@ pub fn help() -> String {
         let _ = writeln!(text, "  {part:width$}  {does}");
     }
     text
+}
+
+/// What is said where a picture is farther from that of all lights than its plan says.
+pub fn broken(checked: &Measured, model: Option<&(reference::Model, bool)>) -> String {
+    let computed = match model {
+        Some((_, true)) => "the model that was said",
+        Some((_, false)) | None => "the model guessed from its members",
+    };
+    format!(
+        "what was skipped changes the picture by {:.2} of 255 steps, more than the plan says: the \
+         shader does not compute {computed}; say the right one with `--model`",
+        checked.steps
+    )
 }
 
 pub fn plan(args: &RenderArgs, asked: &Asked, made: &Made<'_>) -> Result<Option<Planned>, Stop> {
