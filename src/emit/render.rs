@@ -145,7 +145,7 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         }
     }
     if let Some((model, said)) = &report.model {
-        let origin = if *said { "" } else { ", guessed from the shader" };
+        let origin = if *said { "" } else { "; the nearest of those the shader looks like" };
         row("model", &format!("{}{origin}", model_text(model)));
     }
     for compared in &report.compared {

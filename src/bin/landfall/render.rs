@@ -130,6 +130,11 @@ struct Lighted {
 }
 
 fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<RenderReport, Stop> {
+    if let Some(out) = &args.out {
+        // Said before anything is computed.
+        let shown = out.display().to_string();
+        file::Format::of(&shown).map_err(|error| Error::new(&shown, error.to_string()))?;
+    }
     let renderer = match args.reference && !compare::needs_shader(&args.compare) {
         true => None,
         false => Some(asked.renderer()?.ok_or_else(|| asked.no_shader())?),
@@ -183,6 +188,7 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
             write(Path::new(&path), &difference, Transfer::Srgb)?;
             report.written.push(path);
         }
+        report.model = done.model.or(report.model);
         report.compared.push(done.compared);
     }
     if let Some(out) = &args.out {
@@ -207,15 +213,27 @@ fn write(path: &Path, picture: &Picture, transfer: Transfer) -> Result<(), Error
 }
 
 impl Made<'_> {
+    /// The picture of the reference, and its model; the nearest to a picture where none is said.
+    fn truth_near(&self, picture: &Picture) -> Result<(Truth, (Model, bool)), Error> {
+        let (mut model, said) = self.model()?;
+        if !said {
+            model = truth::nearest(&model, &self.upload, &self.frame, picture);
+        }
+        let truth = truth::truth(&model, &self.upload, &self.frame, self.scene.background);
+        Ok((truth, (model, said)))
+    }
+
     fn truth(&self) -> Result<Truth, Error> {
-        let (model, _) = self.model.ok_or_else(|| {
-            Error::new(
-                "--reference",
-                "needs a lighting model, and neither the scene nor a shader says one",
-            )
-            .with_help("say `--model multi`, or `array`, `view_space`, `casters`")
-        })?;
+        let (model, _) = self.model()?;
         Ok(truth::truth(&model, &self.upload, &self.frame, self.scene.background))
+    }
+
+    fn model(&self) -> Result<(Model, bool), Error> {
+        self.model.ok_or_else(|| {
+            let what = "needs a lighting model, and neither the scene nor a shader says one";
+            Error::new("--reference", what)
+                .with_help("say `--model multi`, or `array`, `view_space`, `casters`")
+        })
     }
 
     fn report(&self, asked: &Asked) -> RenderReport {

@@ -7,7 +7,10 @@ use glam::DVec3;
 
 use super::background;
 use crate::light::bind::{BindingMap, Kind, LightPart, MaterialPart, Quantity};
-use crate::light::reference::{AmbientTerm, Family, Model, Undef, Window, shade};
+use crate::light::reference::{
+    AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, Family, Model, Normal, Reflectance,
+    SpecularGate, Undef, Window, shade,
+};
 use crate::light::{Fragment, Frame, Upload, sample};
 use crate::picture::Picture;
 
@@ -33,14 +36,7 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
     let Frame { width, height, fragments } = frame;
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let share = fragments.len().div_ceil(threads).max(1);
-    type Pixel = (Result<DVec3, Undef>, bool);
-    let one = |fragment: &Fragment| -> Pixel {
-        let texels = sample::texels(&upload.materials[fragment.material as usize], fragment.uv);
-        match shade(model, upload, fragment, &texels) {
-            Ok(shaded) => (Ok(shaded.total), shaded.edge.is_some_and(|edge| edge.abs() < EDGE)),
-            Err(undef) => (Err(undef), false),
-        }
-    };
+    let one = |fragment: &Fragment| pixel(model, upload, fragment);
     let lit: Vec<Vec<Pixel>> = thread::scope(|scope| {
         let one = &one;
         let parts = fragments.chunks(share);
@@ -67,6 +63,71 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
         truth.picture.pixels[pixel] = background(color);
     }
     truth
+}
+
+/// A fragment's light, and whether it is at an edge.
+type Pixel = (Result<DVec3, Undef>, bool);
+
+fn pixel(model: &Model, upload: &Upload, fragment: &Fragment) -> Pixel {
+    let texels = sample::texels(&upload.materials[fragment.material as usize], fragment.uv);
+    match shade(model, upload, fragment, &texels) {
+        Ok(shaded) => (Ok(shaded.total), shaded.edge.is_some_and(|edge| edge.abs() < EDGE)),
+        Err(undef) => (Err(undef), false),
+    }
+}
+
+/// Fragments that are enough to tell models apart.
+const ENOUGH: usize = 4096;
+
+/// Of a family's models the one that is nearest to a picture: where shaders of a family differ,
+/// no name tells.
+pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture) -> Model {
+    let step = frame.fragments.len().div_ceil(ENOUGH).max(1);
+    let distance = |model: &Model| -> f64 {
+        let each = frame.fragments.iter().step_by(step).map(|fragment| {
+            let Some(seen) = picture.pixels.get(fragment.pixel as usize) else { return 0.0 };
+            let [r, g, b, _] = seen.map(f64::from);
+            match pixel(model, upload, fragment) {
+                (Ok(color), false) if (r + g + b).is_finite() => {
+                    (color - DVec3::new(r, g, b)).abs().element_sum()
+                }
+                _ => 0.0,
+            }
+        });
+        each.sum()
+    };
+    let mut all: Vec<(f64, Model)> = kin(model).into_iter().map(|m| (distance(&m), m)).collect();
+    // Stable: of models that are as near, the first.
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.first().map_or(*model, |(_, model)| *model)
+}
+
+/// A model and those of its family that differ from it as published shaders do.
+fn kin(model: &Model) -> Vec<Model> {
+    let mut all = vec![*model];
+    let mut also = |change: &dyn Fn(&mut Model)| {
+        let changed = all.iter().map(|known| {
+            let mut changed = *known;
+            change(&mut changed);
+            changed
+        });
+        let changed: Vec<Model> = changed.collect();
+        all.extend(changed);
+    };
+    also(&|m| m.specular_gate = SpecularGate::Facing);
+    match model.family {
+        Family::Multi => {}
+        Family::Array => also(&|m| {
+            m.array_specular = ArraySpecular::AsPublished;
+            m.normal = Normal::AsInterpolated;
+        }),
+        Family::ViewSpace => also(&|m| m.reflectance = Reflectance::Factor),
+        Family::Casters => {
+            also(&|m| m.caster_attenuation = CasterAttenuation::None);
+            also(&|m| m.cone_edge = ConeEdge::Hard);
+        }
+    }
+    all
 }
 
 /// The family of models that a shader with these members is likely to compute.

@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::ValueEnum as _;
 use landfall::Error;
 use landfall::emit::render::Compared;
+use landfall::light::reference::Model;
 use landfall::picture::compare::{Compare, compare_and_map};
 use landfall::picture::difference::{amplification, difference, flip_picture};
 use landfall::picture::{Picture, file};
@@ -18,6 +19,8 @@ use crate::read;
 pub struct Done {
     pub compared: Compared,
     pub pictures: Vec<(String, Picture)>,
+    /// The model of the reference, and whether it was said; where that is what it is held against.
+    pub model: Option<(Model, bool)>,
 }
 
 /// Whether one of them is made by a shader.
@@ -32,11 +35,12 @@ pub fn compare(
     args: &RenderArgs,
     streams: &Streams,
 ) -> Result<Done, Stop> {
-    let (mut leave_out, mut left_out) = (None, Vec::new());
+    let (mut leave_out, mut left_out, mut model) = (None, Vec::new(), None);
     let reader = ReaderName::from_str(what, true).ok();
     let other = match (what, reader) {
         ("reference", _) => {
-            let truth = made.truth()?;
+            let (truth, nearest) = made.truth_near(picture)?;
+            model = Some(nearest);
             left_out = Compared::hazards(&truth);
             leave_out = Some(truth.leave_out);
             truth.picture
@@ -67,5 +71,6 @@ pub fn compare(
         pictures.push((file("difference"), drawn));
         pictures.push((file("flip"), flip_picture(&map)));
     }
-    Ok(Done { compared: Compared { with: what.to_string(), comparison, left_out }, pictures })
+    let compared = Compared { with: what.to_string(), comparison, left_out };
+    Ok(Done { compared, pictures, model })
 }
