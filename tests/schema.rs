@@ -233,3 +233,22 @@ fn differences_keep_to_their_schema() {
         assert_eq!(output.status.code(), Some(i32::from(sides[0] != sides[1])));
     }
 }
+
+#[test]
+fn scenes_keep_to_their_schema_and_wrong_ones_do_not() {
+    let validator = validator("scene");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(scenes).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut value = holds(&validator, &text, &path.display().to_string());
+        assert!(text.ends_with('\n'));
+        // Editors find the schema by it.
+        assert_eq!(value["$schema"], "../../src/emit/schema/scene.json");
+        value["camera"]["fow"] = 45.into();
+        assert!(!validator.is_valid(&value));
+        seen += 1;
+    }
+    assert!(seen >= 9, "{seen}");
+}

@@ -59,6 +59,9 @@ pub const CHECK_SCHEMA: &str = include_str!("schema/check.json");
 /// JSON Schema (draft 2020-12) of the JSON output of `devices`.
 pub const DEVICES_SCHEMA: &str = include_str!("schema/devices.json");
 
+/// JSON Schema (draft 2020-12) of the scenes that [`read`](crate::light::scene::read()) takes.
+pub const SCENE_SCHEMA: &str = include_str!("schema/scene.json");
+
 /// A form layouts are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {

@@ -1,6 +1,6 @@
 //! A scene's numbers as a shader gets them: in the space of its lighting, rounded to `f32`.
 //!
-//! Made from a [`Scene`](super::Scene); the binding map writes it to blocks and the reference
+//! Made from a [`Scene`]; the binding map writes it to blocks and the reference
 //! computes from it, so that rounding an upload is charged to neither.
 
 use glam::DVec3;

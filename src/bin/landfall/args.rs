@@ -68,7 +68,7 @@ pub enum Command {
     Merge(MergeArgs),
     /// List the lints, or explain one
     Rule(RuleArgs),
-    /// Print the JSON Schema of an output
+    /// Print the JSON Schema of an output or a scene
     Schema(SchemaArgs),
     /// Run jobs for the process at the other end of stdin and stdout
     #[cfg(any(feature = "gl", feature = "gpu"))]
@@ -273,7 +273,7 @@ pub enum ReaderDriver {
 
 #[derive(Debug, clap::Args)]
 pub struct SchemaArgs {
-    /// Of which output
+    /// Of what
     pub of: Schema,
 }
 
@@ -301,6 +301,8 @@ pub enum Schema {
     Lock,
     /// diff --format json
     Diff,
+    /// A scene of lights, as render reads it
+    Scene,
 }
 
 /// How shaders are read.

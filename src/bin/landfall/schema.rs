@@ -1,4 +1,4 @@
-//! `landfall schema`: the JSON Schemas the outputs keep to.
+//! `landfall schema`: the JSON Schemas the outputs and scenes keep to.
 
 use landfall::emit;
 
@@ -18,6 +18,7 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
         Schema::Lock => emit::LOCK_SCHEMA,
         Schema::Diff => emit::diff::DIFF_SCHEMA,
+        Schema::Scene => emit::SCENE_SCHEMA,
     })?;
     Ok(Outcome::Clean)
 }

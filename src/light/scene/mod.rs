@@ -1,7 +1,8 @@
 //! What a scene is: a camera, lights, materials and objects, as written.
 //!
-//! Read from JSON; [`frame`](super::frame) makes fragments of it, [`upload`](super::upload)
-//! what is uploaded. Lengths are in the scene's own unit, colours linear with 1 full scale,
+//! Read from JSON by [`read()`], its meshes made by formula or from OBJ files, lamps by seed if it
+//! says so; [`frame`](super::frame) makes fragments of it, [`upload`](super::upload) what is
+//! uploaded. Lengths are in the scene's own unit, colours linear with 1 full scale,
 //! directions those in which light travels.
 
 mod generate;

@@ -141,23 +141,23 @@ impl Reader {
         match keyword.text {
             // A fourth number is a weight, further ones a colour; neither moves a corner.
             "v" => {
-                let [x, y, z] = numbers(keyword, rest, "v 0 1 0")?;
-                self.positions.push(DVec3::new(x, y, z));
+                let read = numbers(keyword, rest, "v 0 1 0").map(DVec3::from_array);
+                Reader::keep(&mut self.positions, read)?;
             }
             "vn" => {
-                let [x, y, z] = numbers(keyword, rest, "vn 0 1 0")?;
-                let normal = DVec3::new(x, y, z);
-                if normal == DVec3::ZERO {
+                let read = numbers(keyword, rest, "vn 0 1 0").map(DVec3::from_array);
+                if read == Ok(DVec3::ZERO) {
                     let message = "`vn 0 0 0` is a normal without a direction".to_string();
-                    return Err(keyword.fault(message));
+                    return Reader::keep(&mut self.normals, Err(keyword.fault(message)));
                 }
-                self.normals.push(normal);
+                Reader::keep(&mut self.normals, read)?;
             }
             "vt" => {
-                let padded =
-                    if rest.len() == 1 { [rest[0], rest[0]].to_vec() } else { rest.to_vec() };
-                let [u, v] = numbers(keyword, &padded, "vt 0 1")?;
-                self.coordinates.push(DVec2::new(u, if rest.len() == 1 { 0.0 } else { v }));
+                let read = match rest {
+                    [_] => numbers(keyword, rest, "vt 0 1").map(|[u]| DVec2::new(u, 0.0)),
+                    _ => numbers(keyword, rest, "vt 0 1").map(DVec2::from_array),
+                };
+                Reader::keep(&mut self.coordinates, read)?;
             }
             "f" => self.face(keyword, rest)?,
             other if PASSED_OVER.contains(&other) => {}
@@ -169,6 +169,16 @@ impl Reader {
             }
         }
         Ok(())
+    }
+
+    /// Keeps a place for what is wrong, so that the indices of faces stay right.
+    fn keep<T: Default>(all: &mut Vec<T>, read: Result<T, ObjFault>) -> Result<(), ObjFault> {
+        let (kept, told) = match read {
+            Ok(read) => (read, Ok(())),
+            Err(fault) => (T::default(), Err(fault)),
+        };
+        all.push(kept);
+        told
     }
 
     fn face(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) -> Result<(), ObjFault> {

@@ -18,7 +18,7 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use super::{Camera, Lights, Scene, Space};
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::Diagnostic;
 use crate::error::Error;
 use crate::file::reason;
 use crate::lock::json::{self, Fault};
@@ -82,12 +82,12 @@ pub fn read(path: &str, text: &str, open: &Open<'_>) -> Reading {
     let scene = match json::parse(text) {
         Ok(root) => scene(&mut walk, At::root(&root), text, path, open),
         Err(fault) => {
-            walk.diagnostics.push(no_json(text, &fault));
+            walk.push(no_json(text, &fault));
             None
         }
     };
-    let wrong = walk.diagnostics.iter().any(|found| found.severity == Severity::Error);
-    Reading { scene: scene.filter(|_| !wrong), files: walk.files, diagnostics: walk.diagnostics }
+    let Walk { files, diagnostics, wrong } = walk;
+    Reading { scene: scene.filter(|_| !wrong), files, diagnostics }
 }
 
 const MEMBERS: &[&str] = &[
@@ -131,7 +131,7 @@ fn scene(walk: &mut Walk, at: At<'_>, text: &str, path: &str, open: &Open<'_>) -
         None => Some(Lights::default()),
     };
     let materials = materials::read(walk, &root, open);
-    let mut objects = objects::read(walk, &root, materials.as_deref(), open);
+    let mut objects = objects::read(walk, &root, materials.as_deref(), path, open);
     if let Some(at) = root.get("generate") {
         let made = generate::read(walk, &at, materials.as_deref());
         if let (Some((lamps, strewn)), Some(lights), Some(objects)) =
@@ -196,39 +196,42 @@ fn camera(walk: &mut Walk, at: &At<'_>) -> Option<Camera> {
         None => Some(DVec3::Y),
     };
     if let (Some(front), Some(up)) = (front, up) {
-        // Below a millionth of a radian the cross product has lost half of its digits.
-        if front.cross(up).length() < 1e-6 {
-            let at = object.get("up").or_else(|| object.get("front")).unwrap_or(object.at.clone());
-            walk.error(
-                "up-along-front",
-                &at,
-                "is along the direction of the camera: nothing says what is up",
-            )
-            .help = Some(
-                "give an `up` across the direction, such as `[0, 0, -1]` when looking down".into(),
-            );
-            return None;
-        }
+        across(walk, &object, front, up);
     }
     let fov = walk.needed(&object, "fov").and_then(|at| fov(walk, &at));
     let near = plane(walk, &object, "near", 0.1);
     let far = plane(walk, &object, "far", 100.0);
     if let (Some(near), Some(far)) = (near, far) {
-        if near >= far {
-            let key = if object.get("far").is_some() { "far" } else { "near" };
-            let at = object.get(key).unwrap_or(object.at.clone());
-            let help = if object.get("far").is_some() && object.get("near").is_some() {
-                format!("swap them: `\"near\": {far}, \"far\": {near}`")
-            } else {
-                "give both `near` and `far`, the near plane in front of the far one".to_string()
-            };
-            let what =
-                format!("leaves nothing to see: the near plane is at {near}, the far one at {far}");
-            walk.error("bad-planes", &at, what).help = Some(help);
-            return None;
-        }
+        in_order(walk, &object, near, far);
     }
     Some(Camera { position: position?, front: front?, up: up?, fov: fov?, near: near?, far: far? })
+}
+
+/// Below a millionth of a radian the cross product has lost half of its digits.
+fn across(walk: &mut Walk, object: &Object<'_>, front: DVec3, up: DVec3) {
+    if front.cross(up).length() >= 1e-6 {
+        return;
+    }
+    let at = object.get("up").or_else(|| object.get("front")).or_else(|| object.get("target"));
+    let what = "is along the direction of the camera: nothing says what is up";
+    walk.error("up-along-front", &at.unwrap_or(object.at.clone()), what).help = Some(
+        "give an `up` across the direction, such as `[0, 0, -1]` when looking down".to_string(),
+    );
+}
+
+fn in_order(walk: &mut Walk, object: &Object<'_>, near: f64, far: f64) {
+    if near < far {
+        return;
+    }
+    let (near_at, far_at) = (object.get("near"), object.get("far"));
+    let help = if near_at.is_some() && far_at.is_some() {
+        format!("swap them: `\"near\": {far}, \"far\": {near}`")
+    } else {
+        "give both `near` and `far`, the near plane in front of the far one".to_string()
+    };
+    let at = far_at.or(near_at).unwrap_or(object.at.clone());
+    let what = format!("leaves nothing to see: the near plane is at {near}, the far one at {far}");
+    walk.error("bad-planes", &at, what).help = Some(help);
 }
 
 fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Option<DVec3> {
@@ -245,7 +248,7 @@ fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Optio
         (Some(front), None) => walk.direction(&front),
         (None, Some(at)) => {
             let target = walk.vector(&at)?;
-            let front = (target - position?).try_normalize();
+            let front = walk::unit(target - position?);
             if front.is_none() {
                 walk.error(
                     "zero-direction",

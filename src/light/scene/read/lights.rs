@@ -108,6 +108,11 @@ fn emission(walk: &mut Walk, object: &Object<'_>) -> Option<Emission> {
         return None;
     }
     let sent = color.map_or(first, |color| color * intensity);
+    if !sent.as_vec3().is_finite() {
+        let what = "is brighter than any `f32`: its colour times its intensity is above 3.4e38";
+        walk.error("value-out-of-range", &object.at, what);
+        return None;
+    }
     let diffuse = diffuse.unwrap_or(sent);
     Some(Emission {
         ambient: ambient.unwrap_or(DVec3::ZERO),
@@ -204,16 +209,20 @@ fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
     ];
     let object =
         walk.object(at, &forms.iter().flat_map(|form| form.1).copied().collect::<Vec<_>>())?;
-    let mut given = forms.iter().filter(|form| form.1.iter().any(|key| object.get(key).is_some()));
-    let help = "give `inner_degrees` and `outer_degrees`, or `inner_cos` and `outer_cos`, \
-                or `half_degrees` for a hard edge";
-    let (Some((form, keys)), None) = (given.next(), given.next()) else {
-        let what = if object.keys().next().is_some() {
-            "is given in more than one way"
-        } else {
-            "does not say how wide it is"
+    let is_given = |keys: &[&str]| keys.iter().any(|key| object.get(key).is_some());
+    let given: Vec<_> = forms.iter().filter(|(_, keys)| is_given(keys)).collect();
+    let [(form, keys)] = given[..] else {
+        let what = match (given.is_empty(), object.keys().next()) {
+            (false, _) => "is given in more than one way",
+            (true, None) => "does not say how wide it is",
+            // What it has instead is unknown, and was told.
+            (true, Some(_)) => return None,
         };
-        walk.error("wrong-cone", at, what).help = Some(help.to_string());
+        walk.error("wrong-cone", at, what).help = Some(
+            "give `inner_degrees` and `outer_degrees`, or `inner_cos` and `outer_cos`, \
+             or `half_degrees` for a hard edge"
+                .to_string(),
+        );
         return None;
     };
     let found: Vec<Option<At<'_>>> = keys.iter().map(|key| walk.needed(&object, key)).collect();

@@ -1,12 +1,13 @@
 //! The objects of a scene: their meshes, where they are, what they are made of.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DMat3, DMat4, DVec3};
 
-use super::Open;
 use super::walk::{At, Object as Members, Walk, short};
+use super::{LARGEST, Open};
 use crate::diagnostic::Diagnostic;
 use crate::light::scene::{Material, Mesh, Object, mesh, read_obj};
 use crate::lock::json::Value;
@@ -20,10 +21,11 @@ pub(super) fn read(
     walk: &mut Walk,
     root: &Members<'_>,
     materials: Option<&[Material]>,
+    path: &str,
     open: &Open<'_>,
 ) -> Option<Vec<Object>> {
     let Some(at) = root.get("objects") else { return Some(Vec::new()) };
-    let mut reader = Reader { materials, open, obj: HashMap::new() };
+    let mut reader = Reader { materials, path, open, obj: HashMap::new() };
     let mut objects = Vec::new();
     let mut triangles = 0;
     let mut whole = true;
@@ -46,6 +48,8 @@ pub(super) fn read(
 
 struct Reader<'r> {
     materials: Option<&'r [Material]>,
+    /// Of the scene, which files are beside.
+    path: &'r str,
     open: &'r Open<'r>,
     /// Files read so far; none where something is wrong with one.
     obj: HashMap<String, Option<Mesh>>,
@@ -72,7 +76,9 @@ impl Reader<'_> {
         };
         let mut transform = DMat4::from_mat3(rotation? * DMat3::from_diagonal(scale?));
         transform.w_axis = position?.extend(1.0);
-        Some(Object { mesh: mesh?, material: material?, transform })
+        let object = Object { mesh: mesh?, material: material?, transform };
+        near_enough(walk, at, &object)?;
+        Some(object)
     }
 
     fn mesh(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
@@ -142,7 +148,8 @@ impl Reader<'_> {
             }
         };
         let read = read_obj(&text);
-        let file = walk.files.add(name, Arc::from(text));
+        let shown = Path::new(self.path).with_file_name(name).display().to_string();
+        let file = walk.files.add(shown, Arc::from(text));
         let span =
             |at: &std::ops::Range<usize>| Span { file, start: at.start as u32, end: at.end as u32 };
         match read {
@@ -150,7 +157,7 @@ impl Reader<'_> {
                 for fault in faults {
                     let mut found = Diagnostic::error("wrong-mesh", span(&fault.at), fault.message);
                     found.help = fault.help;
-                    walk.diagnostics.push(found);
+                    walk.push(found);
                 }
                 None
             }
@@ -163,7 +170,7 @@ impl Reader<'_> {
                         read.triangles
                     );
                     let found = Diagnostic::warning("mesh-without-normals", span(first), message);
-                    walk.diagnostics.push(
+                    walk.push(
                         found.with_help(
                             "write the file with normals, as corners `position/uv/normal`",
                         ),
@@ -173,6 +180,17 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// Corners as far out as a position may be.
+fn near_enough(walk: &mut Walk, at: &At<'_>, object: &Object) -> Option<()> {
+    let corners = object.mesh.vertices.iter();
+    let out = |at: DVec3| object.transform.transform_point3(at).abs().max_element() > LARGEST;
+    if !corners.map(|vertex| vertex.position).any(out) {
+        return Some(());
+    }
+    walk.error("too-large", at, "has corners beyond 1e18, the square of which fits no `f32`");
+    None
 }
 
 /// The number of a material by its name. The only material there is need not be named.

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use super::LARGEST;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::lock::json::{Node, Value};
 use crate::parse::nearest;
 use crate::source::{Files, Span};
@@ -27,10 +27,6 @@ impl<'n> At<'n> {
 
     fn name(&self) -> String {
         if self.path.is_empty() { "the scene".to_string() } else { format!("`{}`", self.path) }
-    }
-
-    fn span(&self) -> Span {
-        span(self.node.start, self.node.end)
     }
 }
 
@@ -52,11 +48,16 @@ impl<'n> Object<'n> {
     }
 }
 
+/// Findings after which further ones take the place of the last.
+const MOST_FINDINGS: usize = 1000;
+
 /// What was found on the way.
 #[derive(Default)]
 pub(super) struct Walk {
     pub files: Files,
     pub diagnostics: Vec<Diagnostic>,
+    /// Whether there was an error among the findings.
+    pub wrong: bool,
 }
 
 impl Walk {
@@ -68,7 +69,7 @@ impl Walk {
         what: impl AsRef<str>,
     ) -> &mut Diagnostic {
         let message = format!("{} {}", at.name(), what.as_ref());
-        self.push(Diagnostic::error(code, at.span(), message))
+        self.push(Diagnostic::error(code, self.span(at), message))
     }
 
     /// Tells what is doubtful about a value.
@@ -79,10 +80,23 @@ impl Walk {
         what: impl AsRef<str>,
     ) -> &mut Diagnostic {
         let message = format!("{} {}", at.name(), what.as_ref());
-        self.push(Diagnostic::warning(code, at.span(), message))
+        self.push(Diagnostic::warning(code, self.span(at), message))
     }
 
-    fn push(&mut self, found: Diagnostic) -> &mut Diagnostic {
+    /// Where a value stands; only where it begins, if it takes several lines.
+    fn span(&self, at: &At<'_>) -> Span {
+        let Node { start, end, .. } = *at.node;
+        let text = self.files.get(0).map_or("", |file| &file.text);
+        match text.get(start..end) {
+            Some(text) if text.contains('\n') => span(start, start + 1),
+            _ => span(start, end),
+        }
+    }
+
+    /// Keeps a finding.
+    pub fn push(&mut self, found: Diagnostic) -> &mut Diagnostic {
+        self.wrong |= found.severity == Severity::Error;
+        self.diagnostics.truncate(MOST_FINDINGS - 1);
         self.diagnostics.push(found);
         self.diagnostics.last_mut().expect("one was just added")
     }
@@ -221,7 +235,7 @@ impl Walk {
     /// A vector of some length.
     pub fn some_vector(&mut self, at: &At<'_>) -> Option<DVec3> {
         let vector = self.vector(at)?;
-        if vector.try_normalize().is_some() {
+        if vector.abs().max_element() as f32 > 0.0 {
             return Some(vector);
         }
         self.error("zero-direction", at, "has no length, so it has no direction");
@@ -230,7 +244,7 @@ impl Walk {
 
     /// A unit vector, whatever its length was.
     pub fn direction(&mut self, at: &At<'_>) -> Option<DVec3> {
-        self.some_vector(at).map(DVec3::normalize)
+        self.some_vector(at).and_then(unit)
     }
 
     /// A colour: three numbers, or one for a grey.
@@ -290,6 +304,11 @@ impl Walk {
             None => format!("it is one of {}", list(names)),
         });
     }
+}
+
+/// A vector's direction, however short it is.
+pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
+    (vector / vector.abs().max_element()).try_normalize()
 }
 
 fn span(start: usize, end: usize) -> Span {
