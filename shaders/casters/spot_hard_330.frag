@@ -37,25 +37,26 @@ vec3 unit(vec3 v) {
     return v * inversesqrt(max(dot(v, v), 1.0e-30));
 }
 
-// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
-// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
-// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+// Set SQUARINGS where the shininess is known to be 2 to that power: so many squarings take a
+// third of the time of any power. -1 is any shininess.
+#ifndef SQUARINGS
+#define SQUARINGS -1
+#endif
+
+// (1 - m)^n for m >= 0 and n >= 0, as exp(n log(1 - m)); 0 from m = 1 on. Where 1 - m has
+// lost the digits of m, the logarithm is taken from m itself, by its series.
 float power(float m, float n) {
-    float x = 1.0 - m;
-    if (x <= 0.0) {
-        return 0.0;
+#if SQUARINGS >= 0
+    float x = max(1.0 - m, 0.0);
+    for (int i = 0; i < SQUARINGS; i++) {
+        x *= x;
     }
-    int bits = int(min(n, 257.0));
-    if (bits <= 256 && float(bits) == n) {
-        float product = (bits & 1) == 1 ? x : 1.0;
-        for (bits >>= 1; bits > 0; bits >>= 1) {
-            x *= x;
-            product *= (bits & 1) == 1 ? x : 1.0;
-        }
-        return product;
-    }
+    return x;
+#else
     float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
-    return exp(-n * (m < 0.015625 ? series : -log(x)));
+    float exponent = m < 0.015625 ? series : -log(max(1.0 - m, 1.0e-30));
+    return m < 1.0 ? exp(-n * exponent) : 0.0;
+#endif
 }
 
 // Phong's highlight. The eye is mirrored, not the light: that is the same for all lights

@@ -3,11 +3,24 @@
 // spotlights, as long as the scene needs them. Their attenuation has no end.
 // The screen is cut into tiles; each has a list of the point lights that reach it.
 //
-// The constants leave out the types a scene has none of, with their loops and their code.
+// Types a scene has none of are left out, with their loops and their code: by macros, or,
+// with SPECIALIZED, by the constants of a pipeline.
 
+#ifdef SPECIALIZED
 layout(constant_id = 0) const bool HAS_DIRECTIONAL_LIGHTS = true;
 layout(constant_id = 1) const bool HAS_POINT_LIGHTS = true;
 layout(constant_id = 2) const bool HAS_SPOT_LIGHTS = true;
+#else
+#ifndef HAS_DIRECTIONAL_LIGHTS
+#define HAS_DIRECTIONAL_LIGHTS 1
+#endif
+#ifndef HAS_POINT_LIGHTS
+#define HAS_POINT_LIGHTS 1
+#endif
+#ifndef HAS_SPOT_LIGHTS
+#define HAS_SPOT_LIGHTS 1
+#endif
+#endif
 
 #define MAX_DIRECTIONAL_LIGHTS 4
 
@@ -95,25 +108,26 @@ vec3 unit(vec3 v) {
     return v * inversesqrt(max(dot(v, v), 1.0e-30));
 }
 
-// (1 - m)^n for m >= 0 and n >= 0; 0 where m is past 1. Whole n to 256 by squaring:
-// cheaper than pow, and closer than most drivers' pow. Any other n by exp(n log(1 - m)),
-// the logarithm from m itself, because 1 - m has lost the digits of a small m.
+// Set SQUARINGS where the shininess is known to be 2 to that power: so many squarings take a
+// third of the time of any power. -1 is any shininess.
+#ifndef SQUARINGS
+#define SQUARINGS -1
+#endif
+
+// (1 - m)^n for m >= 0 and n >= 0, as exp(n log(1 - m)); 0 from m = 1 on. Where 1 - m has
+// lost the digits of m, the logarithm is taken from m itself, by its series.
 float power(float m, float n) {
-    float x = 1.0 - m;
-    if (x <= 0.0) {
-        return 0.0;
+#if SQUARINGS >= 0
+    float x = max(1.0 - m, 0.0);
+    for (int i = 0; i < SQUARINGS; i++) {
+        x *= x;
     }
-    int bits = int(min(n, 257.0));
-    if (bits <= 256 && float(bits) == n) {
-        float product = (bits & 1) == 1 ? x : 1.0;
-        for (bits >>= 1; bits > 0; bits >>= 1) {
-            x *= x;
-            product *= (bits & 1) == 1 ? x : 1.0;
-        }
-        return product;
-    }
+    return x;
+#else
     float series = m * (1.0 + m * (1.0 / 2.0 + m * (1.0 / 3.0 + m * (1.0 / 4.0 + m * (1.0 / 5.0 + m / 6.0)))));
-    return exp(-n * (m < 0.015625 ? series : -log(x)));
+    float exponent = m < 0.015625 ? series : -log(max(1.0 - m, 1.0e-30));
+    return m < 1.0 ? exp(-n * exponent) : 0.0;
+#endif
 }
 
 // Phong's highlight. The eye is mirrored, not the light: that is the same for all lights
@@ -173,13 +187,13 @@ void main() {
     vec3 viewDir = unit(viewPos - FragPos);
 
     vec3 sum = ambient.color * ambient.intensity * material.diffuse;
-    if (HAS_DIRECTIONAL_LIGHTS) {
+    if (bool(HAS_DIRECTIONAL_LIGHTS)) {
         uint directionals = min(directionalCount, uint(MAX_DIRECTIONAL_LIGHTS));
         for (uint i = 0u; i < directionals; i++) {
             sum += directional_light(directionalLights[i], normal, viewDir);
         }
     }
-    if (HAS_POINT_LIGHTS) {
+    if (bool(HAS_POINT_LIGHTS)) {
         uvec2 at = uvec2(gl_FragCoord.xy) / max(tileSize, 1u);
         uint here = min(at.y * tilesAcross + at.x, uint(tiles.length()) - 1u);
         Tile tile = tiles[here];
@@ -191,7 +205,7 @@ void main() {
             }
         }
     }
-    if (HAS_SPOT_LIGHTS) {
+    if (bool(HAS_SPOT_LIGHTS)) {
         uint spots = min(spotCount, uint(spotLights.length()));
         for (uint i = 0u; i < spots; i++) {
             sum += spot_light(spotLights[i], FragPos, normal, viewDir);

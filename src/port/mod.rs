@@ -96,8 +96,20 @@ pub struct Ported {
 }
 
 impl Ported {
-    /// The path a member of the block has now: `sample.rate` may be `sample_.rate`.
+    /// The path a member of the block has now: `sample.rate` may be `sample_.rate`; or a sampler
+    /// that was one of a structure: `materials[2].diffuse` is `materials_diffuse[2]`.
     pub fn new_path(&self, path: &str) -> String {
+        let split = |part: &str| -> (String, String) {
+            let (name, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
+            (name.to_string(), brackets.to_string())
+        };
+        let (names, brackets): (Vec<String>, Vec<String>) = path.split('.').map(split).unzip();
+        let whole = names.join(".");
+        if let Some((_, own)) =
+            self.renamed.iter().find(|(old, _)| names.len() > 1 && *old == whole)
+        {
+            return format!("{own}{}", brackets.concat());
+        }
         let new = |name: &str| {
             let found = self.renamed.iter().find(|(old, _)| old == name);
             found.map_or(name.to_string(), |(_, new)| new.clone())

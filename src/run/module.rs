@@ -33,6 +33,16 @@ pub struct Module {
     inputs: Vec<EntryInterface>,
     outputs: Vec<EntryInterface>,
     left_out: Vec<Diagnostic>,
+    pub(crate) locals: Locals,
+}
+
+/// What a local variable holds before anything is put into it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Locals {
+    /// Zeros: WGSL §7.4.
+    Zeros,
+    /// Anything: GLSL 4.60 §4.3.
+    Anything,
 }
 
 /// A block of a runnable shader.
@@ -151,6 +161,7 @@ impl Module {
                     inputs: lowered.inputs,
                     outputs: lowered.outputs,
                     left_out: lowered.left_out,
+                    locals: Locals::Anything,
                 };
                 module.validated()
             }
@@ -287,6 +298,7 @@ impl Module {
             inputs: Vec::new(),
             outputs: Vec::new(),
             left_out: Vec::new(),
+            locals: Locals::Zeros,
         }
     }
 }

@@ -359,6 +359,8 @@ pub(super) enum Op {
     /// Condition, accept, reject.
     Select(Class),
     Move(Class),
+    /// A move of the zeros that a variable holds before anything is put into it.
+    Blank(Class),
     /// Of the active lanes.
     Store(Class),
     /// From a buffer: `[to | byte offset, stored]`.
@@ -411,7 +413,7 @@ impl Op {
         let (writes, reads, plain) = match self {
             Op::F1(_) | Op::FTest(_) | Op::I1(_) | Op::D1(_) | Op::DNeg | Op::DNot => (1, 1, 0),
             Op::DTest(_) | Op::DAbsSint | Op::DSignSint | Op::Cast(_) => (1, 1, 0),
-            Op::Move(_) | Op::Store(_) => (1, 1, 0),
+            Op::Move(_) | Op::Blank(_) | Op::Store(_) => (1, 1, 0),
             Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (1, 1, 0),
             Op::F2(_) | Op::FCmp(_) | Op::Ldexp | Op::I2(_) => (1, 2, 0),
             Op::CmpSint(_) | Op::CmpUint(_) | Op::D2(_) => (1, 2, 0),

@@ -128,6 +128,7 @@ pub(super) fn price(inst: &Inst) -> Price {
         Op::Atomic(_) => (Store, 2),
         Op::Sample | Op::Texel => (Texture, 1),
         Op::Move(_)
+        | Op::Blank(_)
         | Op::Store(_)
         | Op::Gather(..)
         | Op::Scatter(..)

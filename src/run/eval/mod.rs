@@ -50,7 +50,7 @@ impl Program {
     /// queries, subgroup operations) is refused where it is run, by what it uses.
     pub fn new(module: &Module, overrides: &[(String, f64)]) -> Program {
         // Blocks may nest as deep as the text does; the stack is touched only as far.
-        let compile = || compile::compile(&module.ir, &module.info, overrides);
+        let compile = || compile::compile(module, overrides);
         let mut program = std::thread::scope(|scope| {
             let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);
             let thread = thread.expect("there is memory for a thread");

@@ -28,6 +28,10 @@ pub enum UndefinedKind {
     ConversionOutOfRange,
     IndexOutOfBounds,
     PastEndOfBuffer,
+    Uninitialised,
+    NanFromBuffer,
+    SquaresTooLarge,
+    SquaresTooSmall,
     BornNan,
     BornInfinite,
 }
@@ -54,6 +58,10 @@ impl UndefinedKind {
             UndefinedKind::ConversionOutOfRange => "conversion of a number out of range",
             UndefinedKind::IndexOutOfBounds => "index out of bounds",
             UndefinedKind::PastEndOfBuffer => "access past the end of the buffer",
+            UndefinedKind::Uninitialised => "variable read before anything is put into it",
+            UndefinedKind::NanFromBuffer => "the buffer holds NaN",
+            UndefinedKind::SquaresTooLarge => "length of a vector whose squares overflow",
+            UndefinedKind::SquaresTooSmall => "length of a vector whose squares underflow",
             UndefinedKind::BornNan => "finite numbers gave NaN",
             UndefinedKind::BornInfinite => "finite numbers gave infinity",
         }

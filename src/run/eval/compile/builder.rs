@@ -15,12 +15,14 @@ use super::super::program::{Argument, BufferInfo, FunctionCode, ImageInfo, Progr
 use super::super::tidy;
 use super::function::Compiled;
 use super::nowhere;
+use crate::run::module::Locals;
 
 pub(super) struct Builder<'a> {
     pub ir: &'a naga::Module,
     pub info: &'a ModuleInfo,
     pub types: Types<'a>,
     pub overrides: &'a [Option<f64>],
+    pub locals: Locals,
     pub buffers: Vec<BufferInfo>,
     pub images: Vec<ImageInfo>,
     pub accesses: Vec<Access>,
@@ -69,6 +71,7 @@ impl<'a> Builder<'a> {
             info,
             types: Types { arena: &ir.types, pending, counted: RefCell::default() },
             overrides,
+            locals: Locals::Zeros,
             buffers: Vec::new(),
             images: Vec::new(),
             accesses: Vec::new(),

@@ -13,6 +13,7 @@ use super::super::value::{ValueType, value_type};
 use super::builder::Builder;
 use super::pointer::Pointer;
 use super::{Global, nowhere};
+use crate::run::module::Locals;
 
 /// What an expression is while it is compiled.
 #[derive(Clone)]
@@ -148,12 +149,21 @@ impl<'f, 'a> Function<'f, 'a> {
         let locals: Vec<(Handle<LocalVariable>, &LocalVariable)> =
             function.local_variables.iter().collect();
         for (handle, local) in locals {
-            let from = match local.init {
-                Some(init) => self.regs(init)?,
-                None => self.zero(&self.b.ir.types[local.ty].inner)?,
-            };
             let to = self.locals[handle.index()].clone();
-            self.copy(Op::Move, &to, &from);
+            match local.init {
+                Some(init) => {
+                    let from = self.regs(init)?;
+                    self.copy(Op::Move, &to, &from);
+                }
+                None => {
+                    let from = self.zero(&self.b.ir.types[local.ty].inner)?;
+                    let op: fn(Class) -> Op = match self.b.locals {
+                        Locals::Zeros => Op::Move,
+                        Locals::Anything => Op::Blank,
+                    };
+                    self.copy(op, &to, &from);
+                }
+            }
         }
         self.block(&function.body)?;
         self.b.push(Op::End, &[], &[]);

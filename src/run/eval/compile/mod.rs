@@ -17,11 +17,11 @@ mod statement;
 
 use std::rc::Rc;
 
-use naga::valid::ModuleInfo;
 use naga::{AddressSpace, Handle, StorageAccess};
 
 use super::code::{Origin, Reg};
 use super::program::{BufferInfo, BufferSpace, FunctionCode, ImageInfo, Program};
+use crate::run::Module;
 pub(super) use builder::Body;
 use builder::Builder;
 pub(super) use function::Compiled;
@@ -38,14 +38,12 @@ enum Global {
 
 /// Compiles every function and entry point. One that uses what is not supported says
 /// so where it is run; the others do not mind.
-pub(super) fn compile(
-    ir: &naga::Module,
-    info: &ModuleInfo,
-    overrides: &[(String, f64)],
-) -> Program {
+pub(super) fn compile(module: &Module, overrides: &[(String, f64)]) -> Program {
+    let (ir, info) = (&module.ir, &module.info);
     let given = overrides_of(ir, overrides);
     let pending = |handle: Handle<naga::Override>| length_of(ir, &given, handle);
     let mut builder = Builder::new(ir, info, &pending, &given);
+    builder.locals = module.locals;
     let globals = globals(&mut builder);
     let mut functions = Vec::new();
     for (handle, function) in ir.functions.iter() {

@@ -10,6 +10,7 @@ mod float;
 mod integer;
 mod kernel;
 mod memory;
+mod unset;
 mod watch;
 mod wide;
 
@@ -145,6 +146,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             let (head, operands) = pool.split_at(usize::from(inst.head));
             if WATCH {
                 self.inspect(pc, inst.op, head, operands);
+                self.inspect_unset(pc, inst.op, operands);
             }
             let this = pc;
             pc += 1;
@@ -181,7 +183,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                 | Op::DDot(_) => self.wide(inst.op, operands),
                 Op::Cast(cast) => self.cast(cast, operands),
                 Op::Select(class) => self.select(class, operands),
-                Op::Move(class) => self.shift(class, operands),
+                Op::Move(class) | Op::Blank(class) => self.shift(class, operands),
                 Op::Store(class) => self.store(class, operands),
                 Op::Load(access) => self.load::<WATCH>(access, head, operands),
                 Op::Save(access) => self.save(access, head, operands),
@@ -222,6 +224,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             }
             if WATCH {
                 self.look_back(this, inst.op, operands);
+                self.follow_unset(inst.op, head, operands);
             }
         }
     }

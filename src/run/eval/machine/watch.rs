@@ -6,10 +6,11 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, Op};
+use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, Op, Stored};
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::memory::elements;
+use super::unset::Unset;
 use super::{Machine, column};
 
 /// What was seen at one instruction.
@@ -40,12 +41,15 @@ pub(in crate::run::eval) struct Watch {
     /// By lane: the first time they parted.
     pub parted: Vec<Parted>,
     pub lanes_parted: u64,
+    /// Variables nobody has put anything into.
+    pub(in crate::run::eval) unset: Unset,
 }
 
 impl Watch {
     /// A new batch: its lanes are other invocations.
     pub fn next_batch(&mut self) {
         self.lanes_parted = 0;
+        self.unset.clear();
     }
 
     /// Notes of another thread, whose batches come later.
@@ -56,7 +60,12 @@ impl Watch {
         self.parted.extend(more.parted);
     }
 
-    fn see(&mut self, pc: usize, kind: UndefinedKind, operands: impl FnOnce() -> Vec<f64>) {
+    pub(super) fn see(
+        &mut self,
+        pc: usize,
+        kind: UndefinedKind,
+        operands: impl FnOnce() -> Vec<f64>,
+    ) {
         self.undefined
             .entry((pc, kind))
             .and_modify(|seen| seen.count += 1)
@@ -80,7 +89,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     let bytes = self.buffers[access.buffer as usize].bytes.len();
                     for group in operands.chunks_exact(shape.len()) {
                         let [offset, stored] = [group[shape.len() - 2], group[shape.len() - 1]];
-                        let width = super::super::code::Stored::ALL[stored as usize].width();
+                        let width = Stored::ALL[stored as usize].width();
                         let at = offset as usize + self.way(access, head, lane, 0);
                         if at + width > bytes {
                             let kind = UndefinedKind::PastEndOfBuffer;
@@ -161,6 +170,13 @@ impl<R: Real> Machine<'_, '_, R> {
                 let all = || (0..usize::from(n)).map(real).collect::<Vec<f64>>();
                 if (0..usize::from(n)).all(|i| real(i) == 0.0) {
                     watch.see(pc, U::NormalizeOfZero, all);
+                } else if let Some(kind) = self.length_out_of_range(reads, lane) {
+                    watch.see(pc, kind, all);
+                }
+            }
+            Op::Length(n) if n > 1 => {
+                if let Some(kind) = self.length_out_of_range(reads, lane) {
+                    watch.see(pc, kind, || (0..usize::from(n)).map(real).collect());
                 }
             }
             Op::I2(f) => {
@@ -228,9 +244,54 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
+    /// What is wrong with the length of a vector that has one: its squares, which devices add
+    /// up, are past the largest number of the run's precision, or below the smallest normal
+    /// one, where they lose their digits or are flushed to zero.
+    fn length_out_of_range(&self, reads: &[u32], lane: usize) -> Option<UndefinedKind> {
+        let each = || reads.iter().map(|reg| column(&self.reals, *reg)[lane]);
+        let any = each().any(|x| x.double() != 0.0);
+        let finite = each().all(|x| x.double().is_finite() && !x.is_infinite());
+        if !any || !finite {
+            return None;
+        }
+        let sum = each().fold(R::narrow(0.0), |sum, x| sum.add(x.mul(x)));
+        // A double has room for the squares of every `f32`.
+        let smallest = f64::from(f32::MIN_POSITIVE);
+        let tiny = R::narrow(f32::MIN_POSITIVE);
+        let is_single = tiny.mul(tiny).whole() == 0.0;
+        if sum.is_infinite() {
+            Some(UndefinedKind::SquaresTooLarge)
+        } else if is_single && sum.whole() < smallest {
+            Some(UndefinedKind::SquaresTooSmall)
+        } else {
+            None
+        }
+    }
+
+    /// Looks at floats that were loaded.
+    fn look_at_loaded(&mut self, pc: usize, operands: &[u32]) {
+        let Some(mut watch) = self.watch.take() else { return };
+        for group in operands.chunks_exact(3) {
+            match Stored::ALL[group[2] as usize] {
+                Stored::F32 | Stored::F16 => {}
+                Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool | Stored::B64 => continue,
+            }
+            let loaded = column(&self.reals, group[0]);
+            for (lane, x) in loaded.iter().enumerate() {
+                if self.active >> lane & 1 == 1 && x.single().is_nan() {
+                    watch.see(pc, UndefinedKind::NanFromBuffer, Vec::new);
+                }
+            }
+        }
+        self.watch = Some(watch);
+    }
+
     /// Looks at the results of an instruction that has run: numbers that stopped being
     /// finite here, and `f32` that are too far from their `f64`.
     pub(super) fn look_back(&mut self, pc: usize, op: Op, operands: &[u32]) {
+        if let Op::Load(_) = op {
+            self.look_at_loaded(pc, operands);
+        }
         if !gives_reals(op) || self.watch.is_none() {
             return;
         }
@@ -306,7 +367,7 @@ fn undefined2(f: F2, a: f64, b: f64) -> Option<UndefinedKind> {
 }
 
 /// Whether all results are reals that were computed, not moved.
-fn gives_reals(op: Op) -> bool {
+pub(super) fn gives_reals(op: Op) -> bool {
     matches!(
         op,
         Op::F1(_)
@@ -318,12 +379,13 @@ fn gives_reals(op: Op) -> bool {
             | Op::Normalize(_)
             | Op::Cross
             | Op::Ldexp
+            | Op::Cast(Cast::RoundHalf)
             | Op::DerivativeFine(_)
             | Op::DerivativeCoarse(_)
     )
 }
 
 /// Whether all operands are reals too.
-fn takes_reals(op: Op) -> bool {
+pub(super) fn takes_reals(op: Op) -> bool {
     op != Op::Ldexp
 }

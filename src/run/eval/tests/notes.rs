@@ -56,6 +56,55 @@ fn undefined_operations_are_noted_with_their_place() {
 }
 
 #[test]
+fn lengths_whose_squares_leave_the_range_are_noted() {
+    let p = program("fn f(a: f32) -> f32 { return normalize(vec3f(a, 0.0, 0.0)).x; }");
+    let g = program("fn f(a: f32) -> f32 { return length(vec2f(0.0, a)); }");
+    // 2^64 squared is 2^128, past f32; 2^-64 squared is 2^-128, below the smallest normal 2^-126.
+    let cases = [
+        (2f32.powi(64), Some(U::SquaresTooLarge)),
+        (2f32.powi(63), None),
+        (2f32.powi(-63), None),
+        (2f32.powi(-64), Some(U::SquaresTooSmall)),
+    ];
+    for (program, (a, kind)) in [&p, &g].into_iter().flat_map(|p| cases.map(|case| (p, case))) {
+        let call = Call { function: "f", lanes: 1, arguments: vec![bits(&[a])], resources: &[] };
+        let seen = |precision| {
+            let settings = Settings { precision, ..watched() };
+            let notes = program.call(&call, &settings).expect("it runs").notes;
+            notes.undefined.iter().map(|u| u.kind).find(|kind| *kind != U::BornInfinite)
+        };
+        assert_eq!((seen(Precision::Single), seen(Precision::Both)), (kind, kind), "{a:e}");
+        assert_eq!(seen(Precision::Double), None, "{a:e}");
+    }
+}
+
+#[test]
+fn glsl_variables_nobody_set_are_noted_where_they_are_read() {
+    let text = "#version 450
+        float set(float x) { float sum; sum = 0.0; sum += x; return sum; }
+        float open(float x) { float sum; sum += x; return sum; }
+        vec3 partly(float x) { vec3 v; if (x > 1.0) { v = vec3(x); } return v * 2.0; }
+        float indexed(float x) { vec3 v; for (int i = 0; i < 3; i++) { v[i] = x; } return v.z + v.x; }
+        float copied(float x) { float a; float b = a; return max(b, x); }
+        void main() {}";
+    let source = crate::Source::new("sums.frag", text);
+    let module = crate::run::Module::new(&source, &crate::Options::default()).expect("it runs");
+    let p = super::super::Program::new(&module, &[]);
+    for (name, expected) in [("set", 0), ("open", 2), ("partly", 3), ("indexed", 0), ("copied", 2)]
+    {
+        let arguments = vec![bits(&[0.5, 2.0])];
+        let call = Call { function: name, lanes: 2, arguments, resources: &[] };
+        let notes = p.call(&call, &watched()).expect("it runs").notes;
+        let read = notes.undefined.iter().filter(|u| u.kind == U::Uninitialised);
+        assert_eq!(read.map(|u| u.count).sum::<u64>(), expected, "{name}: {:?}", notes.undefined);
+    }
+    // WGSL has zeros there.
+    let p = program("fn f(x: f32) -> f32 { var sum: f32; sum += x; return sum; }");
+    let call = Call { function: "f", lanes: 1, arguments: vec![bits(&[1.0])], resources: &[] };
+    assert_eq!(p.call(&call, &watched()).expect("it runs").notes.undefined, []);
+}
+
+#[test]
 fn a_branch_not_taken_is_not_undefined() {
     let p = program("fn f(a: f32) -> f32 { if a > 0.0 { return sqrt(a); } return 0.0; }");
     let arguments = vec![bits(&[4.0, -4.0, 9.0])];
