@@ -56,6 +56,20 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
             let _ = writeln!(text, "    {}", paint.text(FAINT, &tests));
         }
     }
+    if !savings.compiled.is_empty() {
+        let said = savings.compiled.join(", ");
+        let _ = writeln!(text, "  {}  {said}", paint.text(HEADING, "compiled with"));
+    }
+    if let Some(checked) = &savings.checked {
+        let said = format!(
+            "{} of 255 at most from the light of all lights, on {} fragments by this reader",
+            steps_of(checked.steps),
+            number(checked.fragments)
+        );
+        let kept = plan.keeps(checked);
+        let said = if kept { said } else { paint.text(CAUTION, &said) };
+        let _ = writeln!(text, "  {}  {said}", paint.text(HEADING, "checked"));
+    }
     for note in &savings.notes {
         let _ = writeln!(text, "  {}", paint.text(CAUTION, note));
     }
@@ -64,10 +78,15 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
 
 /// The same as one JSON document.
 pub fn json(plan: &Plan) -> String {
+    let document =
+        Document { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, plan: object(plan) };
+    format!("{}\n", to_lines(&document, 0))
+}
+
+/// What a larger document holds of it.
+pub(super) fn object(plan: &Plan) -> Body<'_> {
     let savings = &plan.savings;
-    let document = Document {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    Body {
         fragments: savings.fragments,
         evaluations: Evaluations { before: savings.before, after: savings.after },
         draws: plan.draws.len(),
@@ -78,10 +97,11 @@ pub fn json(plan: &Plan) -> String {
             point: plan.compiled.point,
             spot: plan.compiled.spot,
         },
+        constants: &savings.compiled,
+        checked: savings.checked.as_ref().map(MeasuredObject::of),
         steps: savings.steps.iter().map(StepObject::of).collect(),
         notes: &savings.notes,
-    };
-    format!("{}\n", to_lines(&document, 0))
+    }
 }
 
 /// Whether it is certain, and what it says; nothing of an option that was not applied.
@@ -140,11 +160,19 @@ fn count(n: u64, what: &str) -> String {
 struct Document<'a> {
     schema_version: u32,
     tool: Tool,
+    #[serde(flatten)]
+    plan: Body<'a>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Body<'a> {
     fragments: u64,
     evaluations: Evaluations,
     draws: usize,
     grids: usize,
     compiled: CompiledObject,
+    constants: &'a [String],
+    checked: Option<MeasuredObject>,
     steps: Vec<StepObject<'a>>,
     notes: &'a [String],
 }
@@ -177,9 +205,27 @@ struct StepObject<'a> {
 enum ErrorObject<'a> {
     Exact { why: &'a str },
     Proven { steps: f64, by: &'a str },
-    Measured { steps: Option<f64>, codes: u64, of: u64, fragments: u64, every: u64 },
+    Measured(MeasuredObject),
     Unmeasured,
     Unused,
+}
+
+#[derive(Serialize)]
+struct MeasuredObject {
+    steps: Option<f64>,
+    codes: u64,
+    of: u64,
+    fragments: u64,
+    every: u64,
+}
+
+impl MeasuredObject {
+    fn of(measured: &Measured) -> MeasuredObject {
+        let Measured { steps, codes, of, fragments, every } = *measured;
+        // JSON has no infinity: what is not a number in one picture only.
+        let steps = Some(steps).filter(|steps| steps.is_finite());
+        MeasuredObject { steps, codes, of, fragments, every }
+    }
 }
 
 impl<'a> StepObject<'a> {
@@ -187,12 +233,7 @@ impl<'a> StepObject<'a> {
         let error = match &step.error {
             Claim::Exact(why) => ErrorObject::Exact { why },
             Claim::Proven { steps, by } => ErrorObject::Proven { steps: *steps, by },
-            Claim::Measured(Measured { steps, codes, of, fragments, every }) => {
-                // JSON has no infinity: what is not a number in one picture only.
-                let steps = Some(*steps).filter(|steps| steps.is_finite());
-                let (codes, of, fragments, every) = (*codes, *of, *fragments, *every);
-                ErrorObject::Measured { steps, codes, of, fragments, every }
-            }
+            Claim::Measured(measured) => ErrorObject::Measured(MeasuredObject::of(measured)),
             Claim::Unmeasured => ErrorObject::Unmeasured,
             Claim::Unused => ErrorObject::Unused,
         };

@@ -14,6 +14,7 @@ use crate::light::bind::BindingMap;
 use crate::light::reference::Model;
 use crate::light::render::tally::Tally;
 use crate::light::render::truth::Truth;
+use crate::light::skip::Plan;
 use crate::picture::Comparison;
 use crate::run::reader::Device;
 
@@ -53,6 +54,8 @@ pub struct RenderReport {
     pub map: Option<BindingMap>,
     /// The model of the reference, and whether it was said.
     pub model: Option<(Model, bool)>,
+    /// What was skipped.
+    pub plan: Option<Plan>,
     /// What the picture was compared with.
     pub compared: Vec<Compared>,
     /// Files that were written.
@@ -193,6 +196,8 @@ struct Document<'a> {
     operations: Option<JsonOperations<'a>>,
     model: Option<Model>,
     bind: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plan: Option<super::plan::Body<'a>>,
     compared: Vec<JsonCompared<'a>>,
     written: &'a [String],
     notes: &'a [String],
@@ -308,6 +313,7 @@ pub fn json(report: &RenderReport) -> String {
         seconds: report.time.as_secs_f64(),
         operations,
         model: report.model.map(|(model, _)| model),
+        plan: report.plan.as_ref().map(super::plan::object),
         bind: report.map.as_ref().map(super::bind::json),
         compared: compared.collect(),
         written: &report.written,

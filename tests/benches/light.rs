@@ -11,9 +11,9 @@ use landfall::Buffer;
 use landfall::light::compiled::{
     Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
 };
-use landfall::light::reference::{self, Window};
+use landfall::light::reference;
 use landfall::light::sample::texels;
-use landfall::light::skip::{self, Choice, Costs, Options, Plan};
+use landfall::light::skip::{self, Choice, Options, Plan};
 use landfall::light::{Frame, FrameOptions, Upload, scene};
 use measure::{median, round};
 

@@ -309,6 +309,8 @@ pub enum Schema {
     Bench,
     /// lights --format json
     Lights,
+    /// The plan in render --skip PARTS --format json
+    Plan,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

@@ -2,6 +2,7 @@
 
 pub mod asked;
 mod compare;
+mod plan;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -13,6 +14,7 @@ use landfall::light::reference::Model;
 use landfall::light::render::tally::Tally;
 use landfall::light::render::truth::{self, Truth};
 use landfall::light::render::{Draw, RenderError, Rendered, Renderer, Work};
+use landfall::light::skip::Measured;
 use landfall::light::{Frame, Scene, Upload};
 use landfall::picture::{Picture, Transfer, file};
 use landfall::run::eval::{Cpu, Settings};
@@ -24,6 +26,7 @@ use crate::args::{ReaderName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::readers;
 use asked::{Asked, Wanted};
+use plan::Planned;
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -34,6 +37,10 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Some(asked) => asked,
         None => return Ok(Outcome::CouldNot),
     };
+    if args.skip.as_deref() == Some("help") {
+        streams.product(&plan::help())?;
+        return Ok(Outcome::Clean);
+    }
     if args.print_bind {
         return print_bind(args, &asked, streams, &style);
     }
@@ -109,12 +116,17 @@ struct Made<'a> {
     limit: Duration,
 }
 
+/// Fragments that a picture by a plan is checked at.
+const CHECKED: usize = 256;
+
 /// A picture by one reader.
 struct Lighted {
     rendered: Rendered,
     device: Device,
     tally: Option<Tally>,
     time: Duration,
+    /// How far what was skipped is from the light of all lights.
+    checked: Option<Measured>,
 }
 
 fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<RenderReport, Stop> {
@@ -150,7 +162,15 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         report.shader = None;
         truth.picture
     } else {
-        let lighted = made.light(args.reader, args, streams)?;
+        let planned = plan::plan(args, asked, &made)?;
+        let lighted = made.light(args.reader, planned.as_ref(), args, streams)?;
+        report.plan = planned.map(|planned| planned.plan);
+        if let (Some(plan), Some(checked)) = (&mut report.plan, lighted.checked) {
+            if !plan.keeps(&checked) {
+                report.notes.push(plan::broken(&checked, made.model.as_ref()));
+            }
+            plan.savings.checked = Some(checked);
+        }
         report.device = Some(lighted.device);
         report.tally = lighted.tally;
         report.time = lighted.time;
@@ -243,6 +263,7 @@ impl Made<'_> {
             tally: None,
             map: self.renderer.as_ref().map(|renderer| renderer.map.clone()),
             model: self.model,
+            plan: None,
             compared: Vec::new(),
             written: Vec::new(),
             notes,
@@ -260,14 +281,17 @@ impl Made<'_> {
     fn light(
         &self,
         name: ReaderName,
+        planned: Option<&Planned>,
         args: &RenderArgs,
         streams: &Streams,
     ) -> Result<Lighted, Stop> {
-        let renderer = self.renderer.as_ref().expect("a reader is asked only with a shader");
+        let whole = self.renderer.as_ref().expect("a reader is asked only with a shader");
+        let renderer = planned.map_or(whole, |planned| &planned.renderer);
         let [directional, point, spot] = self.numbers();
         let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+        let plan = planned.map(|planned| &planned.plan);
         let Made { upload, frame, limit, .. } = self;
         let background = self.scene.background;
         let work = Work { upload, frame, background, limit: *limit };
@@ -282,18 +306,26 @@ impl Made<'_> {
                 streams.progress(&format!("{name}: {done} of {total} fragments, {part} %"));
             }
         };
-        let (rendered, device, tally, time) = match name {
+        let (rendered, device, tally, time, checked) = match name {
             ReaderName::Cpu => {
                 let settings = Settings { watch: args.watch, ..Settings::default() };
                 let mut cpu = Cpu::new(settings);
                 let mut tally = Tally::default();
                 let begun = Instant::now();
-                let rendered =
-                    renderer.render(&mut cpu, &work, &draws, &mut |cpu: &mut Cpu, n| {
-                        tally.add(&cpu.notes);
-                        progress(n);
-                    })?;
-                (rendered, cpu.device().clone(), Some(tally), begun.elapsed())
+                let after = &mut |cpu: &mut Cpu, n: usize| {
+                    tally.add(&cpu.notes);
+                    progress(n);
+                };
+                let rendered = match plan {
+                    Some(plan) => renderer.render_plan(&mut cpu, &work, plan, after)?,
+                    None => renderer.render(&mut cpu, &work, &draws, after)?,
+                };
+                let time = begun.elapsed();
+                let checked = match plan {
+                    Some(_) => Some(whole.check(&mut cpu, &work, &rendered, CHECKED)?),
+                    None => None,
+                };
+                (rendered, cpu.device().clone(), Some(tally), time, checked)
             }
             ReaderName::Gl | ReaderName::Gpu => {
                 let opened = readers::one(name, args.adapter.as_deref());
@@ -305,11 +337,19 @@ impl Made<'_> {
                 })?;
                 let begun = Instant::now();
                 let after = &mut |_: &mut (dyn Reader + 'static), n: usize| progress(n);
-                let rendered = renderer.render(reader.as_mut(), &work, &draws, after)?;
-                (rendered, reader.device().clone(), None, begun.elapsed())
+                let rendered = match plan {
+                    Some(plan) => renderer.render_plan(reader.as_mut(), &work, plan, after)?,
+                    None => renderer.render(reader.as_mut(), &work, &draws, after)?,
+                };
+                let time = begun.elapsed();
+                let checked = match plan {
+                    Some(_) => Some(whole.check(reader.as_mut(), &work, &rendered, CHECKED)?),
+                    None => None,
+                };
+                (rendered, reader.device().clone(), None, time, checked)
             }
         };
-        Ok(Lighted { rendered, device, tally, time })
+        Ok(Lighted { rendered, device, tally, time, checked })
     }
 }
 
@@ -317,6 +357,9 @@ fn told(args: &RenderArgs, report: &RenderReport, streams: &Streams) -> Result<O
     match args.format {
         RenderFormat::Human => {
             streams.product(&print::text(report, streams.paint))?;
+            if let (true, Some(plan)) = (args.plan, &report.plan) {
+                streams.product(&emit::plan::text(plan, streams.paint))?;
+            }
             streams.finish()?;
             let notes: Vec<Diagnostic> = report.notes.iter().map(|note| warning(note)).collect();
             let style = streams.style(FindingForm::Human);

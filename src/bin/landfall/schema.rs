@@ -11,6 +11,7 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Explain => emit::EXPLAIN_SCHEMA,
         Schema::Check => emit::CHECK_SCHEMA,
         Schema::Render => emit::render::RENDER_SCHEMA,
+        Schema::Plan => emit::plan::PLAN_SCHEMA,
         Schema::Run => emit::run::RUN_SCHEMA,
         Schema::Stress => emit::stress::STRESS_SCHEMA,
         Schema::Verify => emit::verify::VERIFY_SCHEMA,

@@ -5,6 +5,7 @@
 //! lists, which is what a plan that skips is. [`truth`] is the same by the reference, and
 //! [`tally`] what the evaluator counted.
 
+mod planned;
 pub mod tally;
 pub mod truth;
 
@@ -187,12 +188,17 @@ impl Renderer {
                 Kind::Point => lit.point.len(),
                 Kind::Spot => lit.spot.len(),
             };
-            let count = Some(Quantity::Count(kind));
-            let counted = self.map.members.iter().any(|m| m.source.quantity() == count);
             let slots = self.filler.slots(kind);
-            if counted || slots == usize::MAX { lights as u64 } else { slots as u64 }
+            let counted = self.counts(kind) || slots == usize::MAX;
+            if counted { lights as u64 } else { slots as u64 }
         });
         each.sum()
+    }
+
+    /// Whether the shader is told how many lights of a kind there are.
+    fn counts(&self, kind: Kind) -> bool {
+        let count = Some(Quantity::Count(kind));
+        self.map.members.iter().any(|member| member.source.quantity() == count)
     }
 
     /// Slots that have no light and that nothing tells the shader to leave out.

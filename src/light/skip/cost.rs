@@ -30,8 +30,16 @@ impl Costs {
         draw: 100.0,
         light: 8.0,
         interpolation: 25.0,
-        call: 256,
+        call: 1024,
     };
+
+    /// The evaluator of this crate, which interprets the shader on all cores.
+    pub const EVALUATOR: Costs =
+        Costs { evaluation: 50.0, draw: 100_000.0, light: 1_000.0, ..Costs::CPU };
+
+    /// A driver, to which every draw is a job of its own that is waited for.
+    pub const DRIVER: Costs =
+        Costs { evaluation: 8.0, draw: 1_000_000.0, light: 1_000.0, ..Costs::CPU };
 
     /// Modelled nanoseconds of lighting a frame by a plan, with what making it took.
     pub fn of(&self, plan: &Plan, tests: u64, sorted: u64) -> f64 {

@@ -17,6 +17,7 @@ mod patch;
 mod plan;
 pub mod radius;
 pub mod region;
+mod settings;
 mod upload;
 mod used;
 
@@ -25,7 +26,8 @@ pub use interpolation::interpolate;
 pub use lists::TileLists;
 pub use measure::{brute, compare};
 pub use options::{Choose, Cull, Division, Interpolate, Options, PARTS, parse};
-pub use plan::{Claim, Compiled, Draw, Grid, LightSet, Measured, Plan, Savings, Step};
+pub use plan::{Claim, Draw, Grid, LightSet, Measured, Plan, Savings, Step};
+pub use settings::{Compiled, Place, Setting, Value};
 pub use upload::{Choice, choose};
 
 use std::collections::HashMap;

@@ -9,6 +9,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::lists::TileLists;
+use super::settings::Compiled;
 use crate::light::Fragment;
 
 /// Which fragments are lit by which lights.
@@ -86,54 +87,6 @@ pub struct Grid {
     pub half: [f64; 2],
 }
 
-/// What a shader for these lights needs to hold, to be set as defines, overrides or
-/// specialisation constants before it is compiled, laid out and mirrored.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Compiled {
-    /// Whether there is light from everywhere.
-    pub ambient: bool,
-    /// Suns: the loop's bound and the array's length, 0 where the type can be left out.
-    pub directional: u32,
-    /// Lamps, likewise.
-    pub point: u32,
-    /// Lamps with a cone, likewise.
-    pub spot: u32,
-}
-
-impl Compiled {
-    /// The values of a shader's defines, overrides or specialisation constants, guessed from
-    /// their names: `HAS_POINT_LIGHTS`, `MAX_SPOT_LIGHTS`, `POINT_LIGHT_MAX_NUM`; names that say
-    /// neither a kind of light nor what of it are left out.
-    pub fn settings<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<(&'n str, u32)> {
-        names.into_iter().filter_map(|name| Some((name, self.setting(name)?))).collect()
-    }
-
-    fn setting(&self, name: &str) -> Option<u32> {
-        let lower = name.to_ascii_lowercase();
-        let words: Vec<&str> = lower.split('_').collect();
-        let says = |any: &[&str]| any.iter().any(|word| words.contains(word));
-        let count = if says(&["directional", "dir", "sun", "suns"]) {
-            self.directional
-        } else if says(&["point", "points"]) {
-            self.point
-        } else if says(&["spot", "spots"]) {
-            self.spot
-        } else if says(&["ambient"]) {
-            u32::from(self.ambient)
-        } else {
-            return None;
-        };
-        if says(&["has", "use", "uses", "with", "enable"]) {
-            Some(u32::from(count > 0))
-        } else if says(&["max", "num", "nr", "count", "slots", "size", "length"]) {
-            // Neither GLSL nor WGSL knows empty arrays.
-            Some(count.max(1))
-        } else {
-            None
-        }
-    }
-}
-
 /// What a plan saves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Savings {
@@ -145,6 +98,10 @@ pub struct Savings {
     pub after: u64,
     /// What each option did, in the order they were applied.
     pub steps: Vec<Step>,
+    /// How far the picture is from that of all lights, by the reader that made it.
+    pub checked: Option<Measured>,
+    /// Constants the shader was compiled with for it, as `NAME=VALUE`.
+    pub compiled: Vec<String>,
     /// What is worth a warning: lights without a bound, lights that no slot is left for.
     pub notes: Vec<String>,
 }
@@ -204,6 +161,21 @@ impl Plan {
     pub fn whole(fragments: usize, lights: LightSet) -> Plan {
         let draw = Draw { fragments: numbers(0..fragments), lights, grid: None };
         Plan { draws: vec![draw], ..Plan::default() }
+    }
+
+    /// Whether a difference from the light of all lights, measured on a reader, is what the
+    /// plan's steps say; if not, the shader computes another model than it was made for.
+    ///
+    /// Interpolation is given twice what was measured of it: another sample, another form.
+    pub fn keeps(&self, checked: &Measured) -> bool {
+        let most = self.savings.steps.iter().map(|step| match &step.error {
+            Claim::Exact(_) | Claim::Unused => 0.0,
+            Claim::Proven { steps, .. } => *steps,
+            Claim::Measured(measured) => 2.0 * measured.steps,
+            Claim::Unmeasured => f64::INFINITY,
+        });
+        // What rounding may differ by where lights are added in another order.
+        checked.steps <= most.sum::<f64>() + 1e-2
     }
 
     /// Light evaluations it takes.

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::bound::{Bounded, Kind};
 use super::options::Options;
-use super::plan::{Claim, Compiled, Plan, Savings, Step};
+use super::plan::{Claim, Plan, Savings, Step};
+use super::settings::Compiled;
 use crate::light::compiled::Model;
 use crate::light::scene::Emission;
 use crate::light::{Frame, Upload};

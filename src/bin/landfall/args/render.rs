@@ -54,6 +54,13 @@ pub struct RenderArgs {
     /// Print what every member, texture and input is given, and render nothing
     #[arg(long)]
     pub print_bind: bool,
+    /// Skip what the scene does not need: parts with commas between them, as
+    /// `used,gates,tiles=8,budget=0.5`; `--skip help` lists them
+    #[arg(long, value_name = "PARTS", conflicts_with_all = ["reference", "print_bind"])]
+    pub skip: Option<String>,
+    /// Print what the plan skips, saves and risks; a report in JSON always says it
+    #[arg(long, requires = "skip")]
+    pub plan: bool,
     /// Leave out lights that the shader has no slots for, instead of refusing
     #[arg(long)]
     pub leave_out: bool,

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use landfall::light::reference::Model;
 use landfall::light::render::{RenderError, RenderOptions, Renderer};
 use landfall::light::scene::{Reading, read_file};
+use landfall::light::skip::{Compiled, Setting};
 use landfall::light::{FrameOptions, Scene, VertexNormals};
 use landfall::source::Files;
-use landfall::{Diagnostic, Error, Options, Source};
+use landfall::{Diagnostic, Error, Options, ReadOptions, Source};
 use serde_json::{Map, Value};
 
 use crate::args::{ReadArgs, RenderArgs};
@@ -170,10 +171,32 @@ fn of_scene(
 impl Asked {
     /// The shader with its binding; none where nobody names one.
     pub fn renderer(&self) -> Result<Option<Renderer>, RenderError> {
+        self.renderer_with(|_| {})
+    }
+
+    /// The same with more said of how the shader is read.
+    pub fn renderer_with(
+        &self,
+        say: impl FnOnce(&mut ReadOptions),
+    ) -> Result<Option<Renderer>, RenderError> {
         let Some(shader) = &self.shader else { return Ok(None) };
         let bind = self.scene.bind.iter().chain(self.bind.iter().map(|(_, map)| map)).collect();
-        let (layout, entry) = (self.options.clone(), self.entry.as_deref());
+        let (mut layout, entry) = (self.options.clone(), self.entry.as_deref());
+        say(&mut layout.read);
         Renderer::new(shader, &RenderOptions { layout, entry, bind }).map(Some)
+    }
+
+    /// What a plan says of the shader's constants, except those that are said already.
+    pub fn settings(&self, compiled: &Compiled) -> Vec<Setting> {
+        let text = self.shader.as_ref().map_or("", |shader| &shader.text);
+        let read = &self.options.read;
+        let is_said = |setting: &Setting| {
+            let mut names = read.defines.iter().chain(&read.overrides).map(|(name, _)| name);
+            names.any(|name| *name == setting.name)
+        };
+        let mut settings = compiled.settings(text);
+        settings.retain(|setting| !is_said(setting));
+        settings
     }
 
     pub fn no_shader(&self) -> Error {

@@ -1,0 +1,151 @@
+//! What a shader need not hold for a scene: light types compiled out, arrays as long as its lights.
+//!
+//! Set before the shader is compiled, laid out and mirrored; read from a [`Plan`](super::Plan).
+
+/// What a shader for these lights needs to hold, where each draw uploads its own lights.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Compiled {
+    /// Whether there is light from everywhere.
+    pub ambient: bool,
+    /// Suns: the loop's bound and the array's length, 0 where the type can be left out.
+    pub directional: u32,
+    /// Lamps, likewise.
+    pub point: u32,
+    /// Lamps with a cone, likewise.
+    pub spot: u32,
+}
+
+/// A value for a constant of a shader.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// The constant.
+    pub name: String,
+    /// Where it is one.
+    pub place: Place,
+    /// What it is to be.
+    pub value: Value,
+}
+
+/// What sort of constant a shader has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A macro the text defines only where nobody else has.
+    Define,
+    /// A specialisation constant, or an override of WGSL.
+    Override,
+}
+
+/// What a constant is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Value {
+    /// Whether there are lights of a kind.
+    Has(bool),
+    /// How many there is room for; at least one, as no shader language knows empty arrays.
+    Length(u32),
+}
+
+impl Setting {
+    /// As the text after `-D NAME=` or `-O NAME=`.
+    pub fn text(&self) -> String {
+        match (self.value, self.place) {
+            (Value::Has(has), Place::Define) => u32::from(has).to_string(),
+            (Value::Has(has), Place::Override) => has.to_string(),
+            (Value::Length(length), _) => length.to_string(),
+        }
+    }
+}
+
+impl Compiled {
+    /// The settings of a shader's text, guessed from the names of its constants:
+    /// `HAS_POINT_LIGHTS`, `MAX_SPOT_LIGHTS`, `POINT_LIGHT_MAX_NUM`. Names that say neither a
+    /// kind of light nor what of it are left alone.
+    pub fn settings(&self, text: &str) -> Vec<Setting> {
+        let constants = constants(text).into_iter();
+        let setting = |(name, place): (&str, Place)| {
+            Some(Setting { name: name.to_string(), place, value: self.value(name)? })
+        };
+        constants.filter_map(setting).collect()
+    }
+
+    fn value(&self, name: &str) -> Option<Value> {
+        let lower = name.to_ascii_lowercase();
+        let words: Vec<&str> = lower.split('_').collect();
+        let says = |any: &[&str]| any.iter().any(|word| words.contains(word));
+        let count = if says(&["directional", "dir", "sun", "suns"]) {
+            self.directional
+        } else if says(&["point", "points"]) {
+            self.point
+        } else if says(&["spot", "spots"]) {
+            self.spot
+        } else if says(&["ambient"]) {
+            u32::from(self.ambient)
+        } else {
+            return None;
+        };
+        if says(&["has", "use", "uses", "with", "enable"]) {
+            Some(Value::Has(count > 0))
+        } else if says(&["max", "num", "nr", "count", "slots", "size", "length"]) {
+            Some(Value::Length(count.max(1)))
+        } else {
+            None
+        }
+    }
+}
+
+/// The names of a text's constants that can be set from outside, each once. Only words are
+/// looked at: a constant in a comment is one too many, and setting it does nothing.
+fn constants(text: &str) -> Vec<(&str, Place)> {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut found: Vec<(&str, Place)> = Vec::new();
+    for line in text.lines() {
+        let mut words = line.split(|c| !is_name(c)).filter(|word| !word.is_empty());
+        let name = match words.next() {
+            Some("ifndef") => words.next().map(|name| (name, Place::Define)),
+            // `layout(constant_id = 0) const bool NAME = true;`
+            Some("layout") if words.next() == Some("constant_id") => {
+                let name = words.skip_while(|word| *word != "const").nth(2);
+                name.map(|name| (name, Place::Override))
+            }
+            // `override NAME: bool = true;`, behind `@id(0)` too
+            Some("override") => words.next().map(|name| (name, Place::Override)),
+            Some("id") => match words.nth(1) {
+                Some("override") => words.next().map(|name| (name, Place::Override)),
+                _ => None,
+            },
+            _ => None,
+        };
+        found.extend(name.filter(|(name, _)| !found.iter().any(|(known, _)| known == name)));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_are_found_in_both_languages_and_set_by_their_names() {
+        let compiled = Compiled { ambient: false, directional: 0, point: 3, spot: 1 };
+        let glsl = "#ifndef POINT_LIGHT_MAX_NUM\n#define POINT_LIGHT_MAX_NUM 128\n#endif\n\
+                    layout(constant_id = 1) const bool HAS_DIRECTIONAL_LIGHTS = true;\n\
+                    #ifndef GAMMA\n#ifndef USE_SPOT\n#ifndef POINT_LIGHT_MAX_NUM\n";
+        let texts = |text: &str| -> Vec<String> {
+            let settings = compiled.settings(text).into_iter();
+            settings.map(|s| format!("{:?} {}={}", s.place, s.name, s.text())).collect()
+        };
+        assert_eq!(
+            texts(glsl),
+            [
+                "Define POINT_LIGHT_MAX_NUM=3",
+                "Override HAS_DIRECTIONAL_LIGHTS=false",
+                "Define USE_SPOT=1"
+            ]
+        );
+        let wgsl = "override MAX_DIRECTIONAL_LIGHTS: u32 = 4;\n@id(3) override has_ambient: bool;\n\
+                    const MAX_POINT_LIGHTS = 4;\n";
+        assert_eq!(
+            texts(wgsl),
+            ["Override MAX_DIRECTIONAL_LIGHTS=1", "Override has_ambient=false"]
+        );
+    }
+}
