@@ -340,3 +340,21 @@ fn a_job_that_takes_too_long_times_out() {
     assert_eq!(failure.message, "not done after 0.3 s, which is its limit");
     assert_eq!(gpu.run(&copy()).unwrap_err().kind, FailureKind::Died);
 }
+
+#[test]
+fn a_device_with_timestamps_times_the_pass_where_asked() {
+    let mut untimed = open();
+    untimed.run(&copy()).unwrap();
+    assert_eq!(untimed.device_time(), None);
+    let mut timed = open().timed();
+    assert_eq!(timed.device_time(), None, "no job has run");
+    for _ in 0..3 {
+        let begun = std::time::Instant::now();
+        let answer = timed.run(&copy()).unwrap();
+        let whole = begun.elapsed();
+        assert_eq!(words(answer.buffers[1].as_ref().unwrap()), COPIED);
+        // lavapipe has timestamps; the pass is a part of the job.
+        let pass = timed.device_time().expect("a driver with timestamps");
+        assert!(pass > Duration::ZERO && pass < whole, "{pass:?} of {whole:?}");
+    }
+}

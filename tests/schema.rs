@@ -252,3 +252,17 @@ fn scenes_keep_to_their_schema_and_wrong_ones_do_not() {
     }
     assert!(seen >= 9, "{seen}");
 }
+
+#[test]
+fn benches_keep_to_their_schema() {
+    let scene = "shaders/scenes/six_lights.json";
+    let arguments =
+        ["bench", scene, "--size", "40x30", "--rounds", "3", "--reader", "cpu", "--format", "json"];
+    let output = landfall(&arguments);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let value = holds(&validator("bench"), &text, "bench");
+    // What is compiled in, and the scene's own shader.
+    let rows = value["rows"].as_array().unwrap();
+    assert!(rows.iter().any(|row| row["runner"]["reader"] == "rust"), "{text}");
+    assert!(rows.iter().any(|row| row["runner"]["reader"] == "cpu"), "{text}");
+}

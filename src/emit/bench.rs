@@ -85,7 +85,7 @@ fn table(rows: &[&BenchRow], paint: Paint, text: &mut String) {
         heading,
         cells: rows.iter().map(|row| of(row)).collect(),
     };
-    let optional = |value: Option<f64>| value.map(figure).unwrap_or_default();
+    let optional = |value: Option<f64>| value.map(words::figure).unwrap_or_default();
     let subtracted = rows.iter().any(|row| row.subtracted);
     let columns = [
         column("variant", &|row| row.variant.clone()),
@@ -93,11 +93,11 @@ fn table(rows: &[&BenchRow], paint: Paint, text: &mut String) {
         column(if subtracted { "ns/fragment net" } else { "ns/fragment" }, &|row| {
             spread(&row.fragment)
         }),
-        column("max step", &|row| figure(row.errors.max_steps)),
-        column("99.9 %", &|row| figure(row.errors.p999_steps)),
-        column("flips", &|row| format!("{} %", figure(100.0 * row.errors.flip_share()))),
-        column("no number", &|row| count(row.errors.non_finite)),
-        column("undefined", &|row| count(row.errors.undefined)),
+        column("max step", &|row| words::figure(row.errors.max_steps)),
+        column("99.9 %", &|row| words::figure(row.errors.p999_steps)),
+        column("flips", &|row| format!("{} %", words::figure(100.0 * row.errors.flip_share()))),
+        column("no number", &|row| words::number(row.errors.non_finite)),
+        column("undefined", &|row| words::number(row.errors.undefined)),
         column("lights", &|row| optional(row.work.evaluations)),
         column("powers", &|row| optional(row.work.powers)),
         column("operations", &|row| optional(row.work.operations)),
@@ -138,26 +138,9 @@ fn table(rows: &[&BenchRow], paint: Paint, text: &mut String) {
     }
 }
 
-fn count(n: u64) -> String {
-    if n == 0 { "0".to_string() } else { words::number(n) }
-}
-
 fn spread(spread: &Spread) -> String {
     let Spread { median, lower, upper, .. } = spread;
-    format!("{} ({} to {})", figure(*median), figure(*lower), figure(*upper))
-}
-
-/// Three digits.
-fn figure(value: f64) -> String {
-    let size = value.abs();
-    match size {
-        0.0 => "0".to_string(),
-        size if (1e-2..1e6).contains(&size) => {
-            let digits = (2 - size.log10().floor() as i32).max(0) as usize;
-            format!("{value:.digits$}")
-        }
-        _ => format!("{value:.1e}"),
-    }
+    format!("{} ({} to {})", words::figure(*median), words::figure(*lower), words::figure(*upper))
 }
 
 /// A line a variant, numbers in full.

@@ -4,6 +4,7 @@
 
 use std::fmt::Write as _;
 
+use super::words;
 use crate::picture::compare::{Comparison, Psnr};
 
 /// A line a measure.
@@ -20,16 +21,16 @@ pub fn human(comparison: &Comparison) -> String {
     row("pixels", compared);
     let mut said = format!(
         "max {} steps, 99.9 % within {}, mean {}",
-        figure(linear.max),
-        figure(linear.p999),
-        figure(linear.mean)
+        words::figure(linear.max),
+        words::figure(linear.p999),
+        words::figure(linear.mean)
     );
     if let Some([x, y]) = linear.at {
         let _ = write!(said, "; largest at column {x}, row {y}");
     }
     row("linear", said);
     if linear.alpha_max > 0.0 {
-        row("alpha", format!("max {} steps", figure(linear.alpha_max)));
+        row("alpha", format!("max {} steps", words::figure(linear.alpha_max)));
     }
     let [_, one, two, more] = codes.counts;
     row(
@@ -41,7 +42,7 @@ pub fn human(comparison: &Comparison) -> String {
             codes.channels
         ),
     );
-    row("flips", format!("{} % of the codes", figure(100.0 * codes.flips)));
+    row("flips", format!("{} % of the codes", words::figure(100.0 * codes.flips)));
     row(
         "psnr",
         match psnr {
@@ -50,7 +51,7 @@ pub fn human(comparison: &Comparison) -> String {
             Psnr::Nothing => "nothing to compare".to_string(),
         },
     );
-    row("flip", format!("mean {}, max {}", figure(flip.mean), figure(flip.max)));
+    row("flip", format!("mean {}, max {}", words::figure(flip.mean), words::figure(flip.max)));
     row(
         "non-finite",
         match non_finite.pixels {
@@ -62,20 +63,4 @@ pub fn human(comparison: &Comparison) -> String {
         },
     );
     text
-}
-
-/// Three digits, as short as they can be written.
-fn figure(value: f64) -> String {
-    match value {
-        0.0 => "0".to_string(),
-        value if (1e-3..1e4).contains(&value) => {
-            let digits = (2 - value.log10().floor() as i32).max(0) as usize;
-            let text = format!("{value:.digits$}");
-            match text.contains('.') {
-                true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
-                false => text,
-            }
-        }
-        value => format!("{value:.2e}"),
-    }
 }

@@ -23,6 +23,19 @@ pub(super) fn number(n: u64) -> String {
     text
 }
 
+/// A measured number, short: `0.0120`, `156`, `6.4e-4`.
+pub(super) fn figure(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        0.0 => "0".to_string(),
+        size if (1e-2..1e6).contains(&size) => {
+            let digits = (2 - size.log10().floor() as i32).max(0) as usize;
+            format!("{value:.digits$}")
+        }
+        _ => format!("{value:.1e}"),
+    }
+}
+
 /// The block's address space and names: `uniform PointLightBlock u_lights`.
 pub(super) fn block_name(block: &BlockLayout) -> String {
     if block.space == AddressSpace::Default {

@@ -1,8 +1,7 @@
 //! How fast bytes are set by name, as ratios in one run: `cargo bench --bench buffer`.
 //!
-//! Each contest runs its two sides in turn, round after round, and gives the median of the ratios
-//! of the rounds with the 10th and 90th percentile. The block is the light array of 128 point
-//! lights, whose 769 names an engine formats and looks up.
+//! The block is the light array of 128 point lights, whose 769 names an engine formats and looks
+//! up.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -10,6 +9,9 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use landfall::{Buffer, Options, Source, layout};
+use measure::{Contest, Ratios, contest};
+
+mod measure;
 
 const LIGHTS: &str = "
     struct PointLight {
@@ -45,7 +47,7 @@ fn main() {
     let mirrors = vec![[1f32; 12]; 128];
 
     println!("{} names, {} rounds; ns for one call", names.len(), ROUNDS);
-    println!("{:<58} {:>8} {:>8} {:>7}  p10-p90", "", "ours", "theirs", "ratio");
+    println!("{:<58} {:>8} {:>8} {:>7} (8 of 10 pairs)", "", "ours", "theirs", "ratio");
 
     let mut constant = |plain: &mut Vec<u8>| {
         for value in &values {
@@ -253,7 +255,8 @@ fn slower(
     ours: Ours<'_>,
     theirs: Theirs<'_>,
 ) {
-    contest(name, calls, b, p, ours, theirs, |ours, theirs| ours / theirs);
+    let Contest { first, second, ratios } = contest(ROUNDS, || theirs(p), || ours(b));
+    row(name, calls, [second, first], &ratios);
 }
 
 /// Theirs over ours: how many times faster ours is.
@@ -265,48 +268,11 @@ fn faster(
     ours: Ours<'_>,
     theirs: Theirs<'_>,
 ) {
-    contest(name, calls, b, p, ours, theirs, |ours, theirs| theirs / ours);
+    let Contest { first, second, ratios } = contest(ROUNDS, || ours(b), || theirs(p));
+    row(name, calls, [first, second], &ratios);
 }
 
-fn contest(
-    name: &str,
-    calls: usize,
-    buffer: &mut Buffer,
-    plain: &mut Vec<u8>,
-    ours: Ours<'_>,
-    theirs: Theirs<'_>,
-    ratio: fn(f64, f64) -> f64,
-) {
-    // As many repetitions as make each side of a round take about a tenth of a millisecond.
-    let repeat = |once: f64| ((1e5 / once.max(1.0)) as usize).max(1);
-    let ours_repeat = repeat(time(20, || ours(buffer)));
-    let theirs_repeat = repeat(time(20, || theirs(plain)));
-    let mut rounds = Vec::with_capacity(ROUNDS);
-    for round in 0..ROUNDS {
-        let (a, b) = if round % 2 == 0 {
-            let a = time(ours_repeat, || ours(buffer));
-            (a, time(theirs_repeat, || theirs(plain)))
-        } else {
-            let b = time(theirs_repeat, || theirs(plain));
-            (time(ours_repeat, || ours(buffer)), b)
-        };
-        rounds.push((a / calls as f64, b / calls as f64, ratio(a, b)));
-    }
-    let at = |part: f64, of: fn(&(f64, f64, f64)) -> f64| {
-        let mut all: Vec<f64> = rounds.iter().map(of).collect();
-        all.sort_by(f64::total_cmp);
-        all[(part * (all.len() - 1) as f64).round() as usize]
-    };
-    let (ours, theirs) = (at(0.5, |r| r.0), at(0.5, |r| r.1));
-    let [low, ratio, high] = [0.1, 0.5, 0.9].map(|part| at(part, |r| r.2));
-    println!("{name:<58} {ours:>8.2} {theirs:>8.2} {ratio:>7.2}  {low:.2}-{high:.2}");
-}
-
-/// Nanoseconds of one repetition.
-fn time(repeat: usize, mut run: impl FnMut()) -> f64 {
-    let start = Instant::now();
-    for _ in 0..repeat {
-        run();
-    }
-    start.elapsed().as_nanos() as f64 / repeat as f64
+fn row(name: &str, calls: usize, seconds: [f64; 2], ratios: &Ratios) {
+    let [ours, theirs] = seconds.map(|seconds| 1e9 * seconds / calls as f64);
+    println!("{name:<58} {ours:>8.2} {theirs:>8.2} {ratios}");
 }

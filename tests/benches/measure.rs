@@ -9,6 +9,12 @@ use std::time::Instant;
 pub struct Ratios(Vec<f64>);
 
 impl Ratios {
+    /// Of pairs measured otherwise.
+    pub fn new(mut ratios: Vec<f64>) -> Ratios {
+        ratios.sort_by(f64::total_cmp);
+        Ratios(ratios)
+    }
+
     /// The ratio that half of the pairs stay below.
     pub fn median(&self) -> f64 {
         self.quantile(0.5)
@@ -42,19 +48,53 @@ pub fn round(ratio: f64) -> String {
 pub fn interleaved(pairs: usize, mut fast: impl FnMut(), mut slow: impl FnMut()) -> Ratios {
     fast();
     slow();
-    let mut ratios: Vec<f64> = (0..pairs)
-        .map(|pair| {
-            if pair % 2 == 0 {
-                let a = seconds(&mut fast);
-                seconds(&mut slow) / a
-            } else {
-                let b = seconds(&mut slow);
-                b / seconds(&mut fast)
-            }
-        })
-        .collect();
-    ratios.sort_by(f64::total_cmp);
-    Ratios(ratios)
+    turns(pairs, [1, 1], &mut fast, &mut slow).ratios
+}
+
+/// Two things measured in turns.
+pub struct Contest {
+    /// Seconds of one call of the first, the median.
+    pub first: f64,
+    /// Seconds of one call of the second, the median.
+    pub second: f64,
+    /// How many times longer the second takes.
+    pub ratios: Ratios,
+}
+
+/// The same for what takes less than the clock's steps: each side of a pair is repeated until it
+/// has taken about a tenth of a millisecond.
+pub fn contest(pairs: usize, mut first: impl FnMut(), mut second: impl FnMut()) -> Contest {
+    fn repeat(work: &mut dyn FnMut()) -> usize {
+        let once = seconds(&mut || (0..20).for_each(|_| work())) / 20.0;
+        ((1e-4 / once.max(1e-9)) as usize).max(1)
+    }
+    let repeats = [repeat(&mut first), repeat(&mut second)];
+    turns(pairs, repeats, &mut first, &mut second)
+}
+
+fn turns(
+    pairs: usize,
+    repeats: [usize; 2],
+    first: &mut impl FnMut(),
+    second: &mut impl FnMut(),
+) -> Contest {
+    let [mut a, mut b] = [Vec::with_capacity(pairs), Vec::with_capacity(pairs)];
+    for pair in 0..pairs {
+        if pair % 2 == 0 {
+            a.push(repeated(repeats[0], first));
+            b.push(repeated(repeats[1], second));
+        } else {
+            b.push(repeated(repeats[1], second));
+            a.push(repeated(repeats[0], first));
+        }
+    }
+    let ratios = Ratios::new(a.iter().zip(&b).map(|(a, b)| b / a).collect());
+    Contest { first: median(a), second: median(b), ratios }
+}
+
+/// Seconds of one of so many calls.
+fn repeated(times: usize, work: &mut impl FnMut()) -> f64 {
+    seconds(&mut || (0..times).for_each(|_| work())) / times as f64
 }
 
 /// Seconds one call takes.

@@ -156,7 +156,7 @@ fn plain(number: f64, step: f64) -> String {
 fn power(digit: i32, exponent: i32) -> String {
     match exponent {
         0..=3 => format!("{}", i64::from(digit) * 10i64.pow(exponent as u32)),
-        -3..=-1 => {
+        -4..=-1 => {
             let zeros = "0".repeat((-exponent - 1) as usize);
             format!("0.{zeros}{digit}")
         }

@@ -12,6 +12,9 @@ mod device;
 mod pipeline;
 mod run;
 mod spirv;
+mod timing;
+
+use std::time::Duration;
 
 pub use adapter::Choice;
 
@@ -19,6 +22,7 @@ use super::devices::{Found, Limits};
 use super::reader::{Answer, Device, Failure, FailureKind, Job, Reader};
 use device::Open;
 use pipeline::Pipelines;
+use timing::Timestamps;
 
 /// A GPU in this process.
 pub struct Gpu {
@@ -28,6 +32,15 @@ pub struct Gpu {
     limits: Limits,
     /// Whether a job is running that nobody waits for.
     busy: bool,
+    timing: Timing,
+}
+
+/// Whether jobs are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Timing {
+    Off,
+    /// How long the last one took, where the device says.
+    On(Option<Duration>),
 }
 
 impl Gpu {
@@ -43,7 +56,13 @@ impl Gpu {
             device: adapter::device(&adapter),
             limits: adapter::limits(&adapter),
             busy: false,
+            timing: Timing::Off,
         })
+    }
+
+    /// The same, timing its jobs by timestamps of the device, where it has those.
+    pub fn timed(self) -> Gpu {
+        Gpu { timing: Timing::On(None), ..self }
     }
 
     /// Every adapter of every backend of this build, and each backend without one.
@@ -61,10 +80,26 @@ impl Reader for Gpu {
         if self.busy {
             return Err(Failure::died("the device has not come back from a job before", ""));
         }
-        let answer = run::run(&self.open, &mut self.pipelines, &self.limits, job);
+        let timestamps = match self.timing {
+            Timing::Off => None,
+            Timing::On(_) => Timestamps::new(&self.open),
+        };
+        let Gpu { open, pipelines, limits, .. } = self;
+        let answer = run::run(open, pipelines, limits, job, timestamps.as_ref());
+        if let Some(timestamps) = &timestamps {
+            let passed = answer.as_ref().ok().and_then(|_| timestamps.passed());
+            self.timing = Timing::On(passed);
+        }
         let timed_out = |failure: &Failure| failure.kind == FailureKind::TimedOut;
         self.busy = answer.as_ref().is_err_and(timed_out);
         answer
+    }
+
+    fn device_time(&self) -> Option<Duration> {
+        match self.timing {
+            Timing::Off => None,
+            Timing::On(passed) => passed,
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use wgpu::{
 
 use super::device::Open;
 use super::pipeline::{Pipeline, PipelineKind, Pipelines, format};
+use super::timing::Timestamps;
 use crate::run::devices::Limits;
 use crate::run::limits::{exceeds, twice};
 use crate::run::reader::{Answer, Failure, Grid, Job, Resource, ResourceKind};
@@ -22,6 +23,7 @@ pub(super) fn run(
     pipelines: &mut Pipelines,
     limits: &Limits,
     job: &Job,
+    timestamps: Option<&Timestamps>,
 ) -> Result<Answer, Failure> {
     let begun = Instant::now();
     open.alive()?;
@@ -31,10 +33,12 @@ pub(super) fn run(
         let things: Vec<Thing> = job.resources.iter().map(|r| Thing::new(open, r)).collect();
         let groups = bind(open, &pipeline, &job.resources, &things);
         let mut encoder = open.device.create_command_encoder(&Default::default());
-        let image = record(open, &mut encoder, &pipeline, &groups, job);
+        let image = record(open, &mut encoder, &pipeline, &groups, job, timestamps);
         let back = Back::record(open, &mut encoder, &things, image.as_ref());
+        timestamps.into_iter().for_each(|timestamps| timestamps.record(&mut encoder));
         open.queue.submit([encoder.finish()]);
         back.map();
+        timestamps.into_iter().for_each(Timestamps::map);
         Ok((things, back))
     })?;
     let left = job.limit.saturating_sub(begun.elapsed());
@@ -259,6 +263,7 @@ fn record(
     pipeline: &Pipeline,
     groups: &[Option<BindGroup>],
     job: &Job,
+    timestamps: Option<&Timestamps>,
 ) -> Option<Texture> {
     let immediates = job.resources.iter().find_map(|resource| match &resource.kind {
         ResourceKind::PushConstant(bytes) => {
@@ -274,7 +279,10 @@ fn record(
     });
     let (size, texel, vertices) = match job.grid {
         Grid::Groups([x, y, z]) => {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: None,
+                timestamp_writes: timestamps.map(Timestamps::compute),
+            });
             if let PipelineKind::Compute(pipeline) = &pipeline.kind {
                 pass.set_pipeline(pipeline);
             }
@@ -303,6 +311,7 @@ fn record(
                 store: wgpu::StoreOp::Store,
             },
         })],
+        timestamp_writes: timestamps.map(Timestamps::render),
         ..Default::default()
     });
     if let PipelineKind::Render(pipeline) = &pipeline.kind {

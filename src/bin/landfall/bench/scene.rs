@@ -210,7 +210,8 @@ fn gl() -> Result<Box<dyn Reader>, reader::Failure> {
 fn gpu(adapter: Option<&str>) -> Result<Box<dyn Reader>, reader::Failure> {
     use landfall::run::gpu::{Choice, Gpu};
 
-    Ok(Box::new(Gpu::open(&Choice { adapter: adapter.map(str::to_string) })?))
+    let gpu = Gpu::open(&Choice { adapter: adapter.map(str::to_string) })?;
+    Ok(Box::new(gpu.timed()))
 }
 
 #[cfg(not(feature = "gpu"))]

@@ -1,0 +1,86 @@
+//! How long a device worked at a pass, by two timestamps of its own.
+//!
+//! For [`run`](super::run) where a bench asks; a pass alone is timed, neither the upload nor the
+//! read-back.
+
+use std::time::Duration;
+
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassTimestampWrites, Features,
+    MapMode, QuerySet, QuerySetDescriptor, QueryType, RenderPassTimestampWrites,
+};
+
+use super::device::Open;
+
+/// Two timestamps of eight bytes each.
+const SIZE: u64 = 16;
+
+/// The timestamps of one job.
+pub(super) struct Timestamps {
+    set: QuerySet,
+    resolved: Buffer,
+    back: Buffer,
+    /// Nanoseconds a count.
+    period: f64,
+}
+
+impl Timestamps {
+    /// For a job on a device that has timestamps.
+    pub(super) fn new(open: &Open) -> Option<Timestamps> {
+        if !open.device.features().contains(Features::TIMESTAMP_QUERY) {
+            return None;
+        }
+        let room = |usage| {
+            let descriptor =
+                BufferDescriptor { label: None, size: SIZE, usage, mapped_at_creation: false };
+            open.device.create_buffer(&descriptor)
+        };
+        let descriptor = QuerySetDescriptor { label: None, ty: QueryType::Timestamp, count: 2 };
+        Some(Timestamps {
+            set: open.device.create_query_set(&descriptor),
+            resolved: room(BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
+            back: room(BufferUsages::COPY_DST | BufferUsages::MAP_READ),
+            period: f64::from(open.queue.get_timestamp_period()),
+        })
+    }
+
+    /// Around a render pass.
+    pub(super) fn render(&self) -> RenderPassTimestampWrites<'_> {
+        RenderPassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: Some(0),
+            end_of_pass_write_index: Some(1),
+        }
+    }
+
+    /// Around a compute pass.
+    pub(super) fn compute(&self) -> ComputePassTimestampWrites<'_> {
+        ComputePassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: Some(0),
+            end_of_pass_write_index: Some(1),
+        }
+    }
+
+    /// Has them come back with the results.
+    pub(super) fn record(&self, encoder: &mut CommandEncoder) {
+        encoder.resolve_query_set(&self.set, 0..2, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.back, 0, SIZE);
+    }
+
+    /// Asks for them to be readable once the job is done.
+    pub(super) fn map(&self) {
+        // Whether it worked shows when the range is read.
+        self.back.map_async(MapMode::Read, .., |_| {});
+    }
+
+    /// How long the pass took; none where the device counts backwards or gives nothing.
+    pub(super) fn passed(&self) -> Option<Duration> {
+        let bytes = self.back.get_mapped_range(..).ok()?;
+        let count = |at: usize| {
+            bytes.get(at..at + 8).and_then(|b| b.try_into().ok()).map(u64::from_le_bytes)
+        };
+        let counts = count(8)?.checked_sub(count(0)?)?;
+        Some(Duration::from_nanos((counts as f64 * self.period) as u64))
+    }
+}

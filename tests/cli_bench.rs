@@ -1,0 +1,164 @@
+//! `landfall bench`: what it takes, what it writes, and what it refuses.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use landfall::accuracy::bench::Bench;
+
+fn landfall(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    command.args(arguments).output().expect("the binary was built for this test")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("text")
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bench-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+const SCENE: &str = "shaders/scenes/six_lights.json";
+const SMALL: [&str; 4] = ["--size", "40x30", "--rounds", "3"];
+
+fn bench(arguments: &[&str]) -> Bench {
+    let arguments = [&["bench"], arguments, &SMALL, &["--format", "json"]].concat();
+    let output = landfall(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("a bench")
+}
+
+#[test]
+fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
+    let folder = folder("scene");
+    let plot = folder.join("six.svg").display().to_string();
+    let found = bench(&[
+        SCENE,
+        "--variant",
+        "seed=rust:seed",
+        "--variant",
+        "robust=rust:robust",
+        "--variant",
+        "coarse=rust:robust=0.01",
+        "--variant",
+        "tiles=plan:tiles,always",
+        "--variant",
+        "shader=shaders/seed/six_lights_450.frag",
+        "--reader",
+        "cpu,gpu",
+        "--plot",
+        &plot,
+    ]);
+    assert!(found.failed.is_empty(), "{:?}", found.failed);
+    let row = |variant: &str, reader: &str| {
+        let found = found.rows.iter().find(|r| r.variant == variant && r.runner.reader == reader);
+        found.unwrap_or_else(|| panic!("{variant} on {reader}"))
+    };
+    for name in ["seed", "robust", "tiles"] {
+        // f32 at its best is some thousandths of a step off, and no fragment is no number.
+        let errors = row(name, "rust").errors;
+        assert!(errors.max_steps > 0.0 && errors.max_steps < 0.01, "{name}: {errors:?}");
+        assert_eq!((errors.non_finite, errors.undefined), (0, 0));
+        assert_eq!(errors.channels, 3 * found.fragments);
+    }
+    // A power of less than 0.01 that is left out is 2.55 steps at most, and more than nothing.
+    let coarse = row("coarse", "rust");
+    assert!(coarse.errors.max_steps > row("robust", "rust").errors.max_steps);
+    assert!(coarse.errors.max_steps < 2.6);
+    assert!(coarse.work.powers < row("robust", "rust").work.powers);
+    assert_eq!(row("seed", "rust").work.evaluations, Some(6.0));
+    for reader in ["cpu", "gpu"] {
+        let shader = row("shader", reader);
+        assert!(shader.errors.max_steps < 0.01, "{:?}", shader.errors);
+        assert!(shader.work.operations.is_some_and(|n| n > 100.0), "{:?}", shader.work);
+        assert!(shader.work.bytes.is_some_and(|n| n > 100));
+        assert!(shader.subtracted);
+    }
+    assert_eq!((found.lights, found.rows[0].fragment.rounds), (6, 3));
+    let drawn = std::fs::read_to_string(&plot).unwrap();
+    let drawn = roxmltree::Document::parse(&drawn).unwrap();
+    assert!(drawn.descendants().any(|node| node.text() == Some("coarse")));
+}
+
+#[test]
+fn lights_of_a_shader_that_counts_them_cost_a_slope() {
+    let found = bench(&["shaders/scenes/two_of_128.json", "--reader", "cpu"]);
+    let shader = found.rows.iter().find(|row| row.runner.reader == "cpu");
+    let shader = shader.unwrap_or_else(|| panic!("{:?}", found.failed));
+    assert!(shader.light.is_some_and(|spread| spread.median > 0.0), "{shader:?}");
+    // Far below 128 slots: only lights in use are evaluated.
+    assert!(shader.work.evaluations.is_some_and(|n| n < 10.0), "{:?}", shader.work);
+}
+
+#[test]
+fn few_fragments_of_a_large_scene_are_taken_and_said() {
+    let found = bench(&[SCENE, "--most", "600", "--variant", "seed=rust:seed"]);
+    // 600 evaluations by six lights, and no more than every second fragment more.
+    assert!((50..=100).contains(&found.fragments), "{}", found.fragments);
+    assert!(found.subject.contains(&format!("{} of ", found.fragments)), "{}", found.subject);
+}
+
+#[test]
+fn variants_of_a_function_are_held_against_its_own_f64() {
+    let folder = folder("function");
+    let file = |name: &str, body: &str| -> String {
+        let path = folder.join(name);
+        std::fs::write(
+            &path,
+            format!("#version 450\nfloat f(float x) {{ {body} }}\nvoid main() {{}}\n"),
+        )
+        .unwrap();
+        path.display().to_string()
+    };
+    // x * x - 1 loses what (x - 1) * (x + 1) keeps, next to 1; both are exact to 2^-23 else.
+    let plain = file("plain.frag", "return x * x - 1.0;");
+    let product = file("product.frag", "return (x - 1.0) * (x + 1.0);");
+    let wrong = file("wrong.frag", "return x * x;");
+    let (product, wrong) = (format!("product={product}"), format!("wrong={wrong}"));
+    let found =
+        bench_of_function(&[&plain, "--fn", "f", "--variant", &product, "--variant", &wrong]);
+    let errors: Vec<f64> = found.rows.iter().map(|row| row.errors.max_steps).collect();
+    // One rounding of the square and one of the difference: 2^-23 of the result or of 1.
+    assert!(errors[0] > 0.0 && errors[0] < 255.0 * 2f64.powi(-22), "{errors:?}");
+    assert!(errors[1] < 255.0 * 2f64.powi(-22), "{errors:?}");
+    assert!((errors[2] - 255.0).abs() < 1.0, "a function of its own is wrong by 1: {errors:?}");
+    assert_eq!(found.rows[0].work.operations, Some(2.0));
+}
+
+fn bench_of_function(arguments: &[&str]) -> Bench {
+    let arguments = [&["bench"], arguments, &["--rounds", "3", "--format", "json"]].concat();
+    let output = landfall(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("a bench")
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused_by_name() {
+    let refused = |arguments: &[&str], wanted: &str| {
+        let output = landfall(&[&["bench"], arguments, &SMALL[2..]].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
+        assert!(said.contains(wanted), "{arguments:?}\n{said}");
+    };
+    refused(&["no_such_scene.json"], "no_such_scene.json");
+    refused(&[SCENE, "--variant", "a=rust:sturdy"], "forms are `seed`, `robust`");
+    refused(&[SCENE, "--variant", "a=plan:sometimes"], "sometimes");
+    refused(&[SCENE, "--variant", "a=no_such.frag"], "no_such.frag");
+    refused(&["shaders/six_lights/phong_450.frag", "--fn", "nosuch"], "no function `nosuch`");
+    let output = landfall(&["bench", SCENE, "--rounds", "1"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn csv_has_a_line_a_variant() {
+    let output = landfall(
+        &[&["bench", SCENE, "--variant", "a=rust:seed", "--format", "csv"], &SMALL[..]].concat(),
+    );
+    let text = text(&output.stdout);
+    assert_eq!(text.lines().count(), 2, "{text}");
+    assert!(text.starts_with("variant,reader,device,clock,ns_per_light"), "{text}");
+    assert!(text.lines().nth(1).is_some_and(|line| line.starts_with("a,rust,")), "{text}");
+}
