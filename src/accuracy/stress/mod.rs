@@ -144,7 +144,8 @@ pub fn stress(
         .filter(|((_, why), _)| *why == sample::Why::Endless)
         .map(|(_, kept)| kept.sample.clone())
         .collect();
-    let worst = worst(&pure, &generator, &after, &sampled, &mut climbed);
+    let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
+    let worst = worst(&pure, &generator, &climbing, &sampled, &mut climbed);
     let exemplars = std::mem::take(&mut sampled.exemplars);
     let mut raws = find::findings(&pure, &generator, &after, exemplars, until, &mut climbed);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
@@ -183,9 +184,9 @@ fn worst(
     let mut random = Random::new(11, 11);
     let mut all = Vec::new();
     let heights: [fn(&Off) -> f64; 2] = [|off| off.ulp, |off| off.steps];
-    for height in heights {
+    for (which, height) in heights.into_iter().enumerate() {
         let mut best: Option<(Sample, Off)> = None;
-        for start in sampled.starts() {
+        for start in sampled.starts(which) {
             let found = climb::climb(pure, generator, plan, start, height, &mut random, tally);
             if best.as_ref().is_none_or(|(_, off)| height(&found.1) > height(off)) {
                 best = Some(found);

@@ -75,6 +75,8 @@ pub struct Worst {
 pub struct Case {
     /// The inputs by path, in JSON.
     pub inputs: Vec<(String, String)>,
+    /// The same flat: vectors and scalars, integers as numbers.
+    pub flat: Vec<(String, Vec<f64>)>,
     /// Its results.
     pub results: Vec<ResultScalar>,
     /// The arguments of `landfall run` that repeat it.
@@ -342,7 +344,13 @@ fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
             });
         }
     }
-    Case { inputs, results, arguments: line, values }
+    let flat = super::input::inputs(pure)
+        .iter()
+        .map(|input| {
+            (input.path.clone(), input.range().map(|at| input.number(sample[at])).collect())
+        })
+        .collect();
+    Case { inputs, flat, results, arguments: line, values }
 }
 
 impl Report {
