@@ -101,7 +101,7 @@ fn robust_forms_have_none_in_their_domain() {
         "light.ambient": "color", "light.diffuse": "color", "light.specular": "color",
         "light.constant": [0, 1], "light.linear": [0, 1], "light.quadratic": [0, 2],
         "normal": "unit", "viewDir": "unit", "fragPos": "position""#;
-    let apart = r#""no_coincidence": [["light.cutOff", "light.outerCutOff", 1e-4]]"#;
+    let apart = r#""no_coincidence": [["light.cutOff", "light.outerCutOff", 1e-3]]"#;
     for (path, function, json) in [
         (
             "shaders/six_lights/phong_330.frag",

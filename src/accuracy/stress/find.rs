@@ -136,14 +136,24 @@ fn bad(examined: &Examined, plan: &Plan) -> bool {
     }
 }
 
-/// Mutations before scenes before bits, the worse first.
+/// One of each kind in turn; of a kind, mutations before scenes before bits, the worse first.
 fn order(exemplars: Exemplars) -> Vec<((u32, Why), Kept)> {
     let mut all: Vec<((u32, Why), Kept)> = exemplars.into_iter().collect();
     all.sort_by(|a, b| {
         let rank = |key: &(u32, Why)| key.0 >= 1 << 24;
         rank(&a.0).cmp(&rank(&b.0)).then(b.1.severity.total_cmp(&a.1.severity)).then(a.0.cmp(&b.0))
     });
-    all
+    let mut turns: FxHashMap<Why, usize> = FxHashMap::default();
+    let mut numbered: Vec<(usize, ((u32, Why), Kept))> = all
+        .into_iter()
+        .map(|one| {
+            let turn = turns.entry((one.0).1).or_default();
+            *turn += 1;
+            (*turn, one)
+        })
+        .collect();
+    numbered.sort_by_key(|(turn, _)| *turn);
+    numbered.into_iter().map(|(_, one)| one).collect()
 }
 
 fn sort(

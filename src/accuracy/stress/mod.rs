@@ -134,7 +134,7 @@ pub fn stress(
     let mut sampled = sample::run(&pure, &generator, &plan, progress).map_err(&failed)?;
     let sampling = started.elapsed();
     let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
-    let more = request.time.map_or(Duration::from_secs(10), |time| time / 2);
+    let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
     let until = Instant::now() + more;
     let after = Plan { until: Some(until), ..plan.clone() };
     let mut climbed = Tally::default();
@@ -154,13 +154,15 @@ pub fn stress(
     {
         tally.merge(&climbed);
     }
+    // What is written up is run again, each a sample, whatever the time is.
+    let writing = Plan { until: None, ..plan.clone() };
     Ok(report::report(report::Made {
         source,
         request,
         pure: &pure,
         inputs: &inputs,
         domain: &domain,
-        plan: &after,
+        plan: &writing,
         against: against.as_ref(),
         families: sampled.families,
         raws,
