@@ -34,6 +34,8 @@ pub struct Module {
     outputs: Vec<EntryInterface>,
     left_out: Vec<Diagnostic>,
     pub(crate) locals: Locals,
+    /// The expressions that need no more than `mediump`, by their spans in naga's numbering.
+    pub(crate) reduced: FxHashSet<(u32, u32)>,
 }
 
 /// What a local variable holds before anything is put into it.
@@ -162,6 +164,7 @@ impl Module {
                     outputs: lowered.outputs,
                     left_out: lowered.left_out,
                     locals: Locals::Anything,
+                    reduced: lowered.reduced,
                 };
                 module.validated()
             }
@@ -299,6 +302,7 @@ impl Module {
             outputs: Vec::new(),
             left_out: Vec::new(),
             locals: Locals::Zeros,
+            reduced: FxHashSet::default(),
         }
     }
 }

@@ -75,7 +75,8 @@ fn ten_thousand_random_expressions_are_within_their_bounds_of_86_digits() {
             tree.calls(&mut calls);
             calls.iter().for_each(|name| *used.entry(name).or_default() += 1);
             let off = distance(truth, got);
-            if !(off <= truth.off) {
+            let within = off <= truth.off;
+            if !within {
                 let line = format!(
                     "{} at {inputs:?}: {got}, off by {off:.2e}, not {:.2e}",
                     tree.text(),
@@ -135,7 +136,8 @@ fn functions_keep_their_digits_beside_their_singular_points() {
     for drawn in drawn.chunks(64) {
         for (got, Drawn { tree, inputs, truth }) in evaluate(drawn).into_iter().zip(drawn) {
             let off = distance(truth, got);
-            if !(off <= truth.off) {
+            let within = off <= truth.off;
+            if !within {
                 wrong += 1;
                 println!("{} at {}: {got}, off by {off:.1e}", tree.text(), inputs[0]);
             }

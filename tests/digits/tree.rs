@@ -171,7 +171,7 @@ fn call(name: &str, a: &[Number], d: &mut Digits) -> Option<Number> {
     let (zero, one) = (Number::exact(0.0), Number::exact(1.0));
     let clamp = |d: &Digits, x: &Number, low: &Number, high: &Number| {
         // One above the other has no defined result.
-        let in_order = !low.less(high).is_none_or(|less| !less);
+        let in_order = low.less(high).is_some_and(|less| less);
         in_order.then(|| d.min(&d.max(x, low), high))
     };
     if let Some(f) = smooth(name) {

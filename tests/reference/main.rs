@@ -244,3 +244,33 @@ fn a_model_is_a_name_or_what_differs_from_it() {
     let number = read("3").unwrap_err();
     assert!(number.contains("the name of a model's family, or a map"), "{number}");
 }
+
+/// Normals 30 degrees apart, seen from so far away, may bend by so many degrees.
+#[test]
+fn a_normal_of_four_components_bends_with_the_distance() {
+    let both = [-15f64, 15.0].map(|a| DVec3::new(a.to_radians().sin(), 0.0, a.to_radians().cos()));
+    let blend = |[a, b]: [DVec3; 2], t: f64| (a * (1.0 - t) + b * t).normalize();
+    for (distance, degrees) in [(1.0, 1.35), (2.0, 3.3), (10.0, 10.0), (100.0, 14.4)] {
+        let mut most = 0.0f64;
+        for direction in 0..720 {
+            let at = f64::from(direction) * std::f64::consts::PI / 360.0;
+            let away = DVec3::new(at.sin(), 0.0, at.cos()) * distance;
+            let seen = glam::DMat4::from_translation(away);
+            let normals = |form| both.map(|n| view_normal(&seen, n, form).unwrap());
+            let (right, wrong) = (normals(NormalTransform::Mat3), normals(NormalTransform::Vec4));
+            for step in 0..=100 {
+                let t = f64::from(step) / 100.0;
+                most = most.max(blend(right, t).angle_between(blend(wrong, t)).to_degrees());
+            }
+        }
+        println!("{most:.2} degrees at a distance of {distance}");
+        // At most half of what lies between them; a search of fewer directions found the figures.
+        assert!(most >= 0.99 * degrees && most < 15.0, "{most} at {distance}");
+        assert!(distance > 2.0 || most <= 1.01 * degrees, "{most} at {distance}");
+    }
+    let flat = glam::DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0));
+    let flat = view_normal(&flat, DVec3::Z, NormalTransform::Mat3);
+    assert_eq!(flat, Err(Undef::NotFinite));
+    let zero = view_normal(&glam::DMat4::IDENTITY, DVec3::ZERO, NormalTransform::Vec4);
+    assert_eq!(zero, Err(Undef::ZeroVector));
+}

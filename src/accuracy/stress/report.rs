@@ -31,7 +31,7 @@ pub struct Report {
     pub path: String,
     /// The function with the types of its parameters.
     pub function: String,
-    /// `single`, or `half` where all floats are rounded to it.
+    /// `single`, `half` where all floats are rounded to it, or `mediump`.
     pub precision: &'static str,
     /// What random numbers started from.
     pub seed: u64,
@@ -213,6 +213,7 @@ pub(super) fn report(made: Made<'_>) -> Report {
         precision: match made.request.pure.floats {
             Floats::AsWritten => "single",
             Floats::Half => "half",
+            Floats::Mediump => "mediump",
         },
         seed: made.request.seed,
         rate: made.rate,

@@ -140,6 +140,17 @@ pub enum Power {
     Ten,
 }
 
+/// How a vertex's normal comes to view space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NormalTransform {
+    /// By the inverse transpose of the 3 by 3 part, to unit length.
+    Mat3,
+    /// By that of the whole matrix, its four components to unit length together: as first
+    /// published, and wrong wherever the camera is away from the origin.
+    Vec4,
+}
+
 macro_rules! model {
     ($($(#[$doc:meta])* $name:ident: $ty:ty,)*) => {
         /// Everything in which lighting may differ.
@@ -196,6 +207,8 @@ model! {
     reflectance: Reflectance,
     /// The power of highlights.
     power: Power,
+    /// What the frame's normals were made with: lighting takes them as they come.
+    normal_transform: NormalTransform,
 }
 
 impl Model {
@@ -214,6 +227,7 @@ impl Model {
             array_specular: ArraySpecular::Fixed,
             reflectance: Reflectance::Ignored,
             power: Power::Material,
+            normal_transform: NormalTransform::Mat3,
         };
         match family {
             Family::Multi | Family::Casters => model,

@@ -74,6 +74,8 @@ pub(crate) struct Stream<'a> {
     pub tokens: Vec<lexer::Token<'a>>,
     pub files: crate::source::Files,
     pub diagnostics: Vec<Diagnostic>,
+    /// Whether it is written for OpenGL ES.
+    pub es: bool,
 }
 
 /// Longer shaders are not run: a text of so many tokens was made to exhaust memory.
@@ -99,7 +101,12 @@ pub(crate) fn tokens<'a>(
             preprocessor.stopped = true;
         }
     }
-    Stream { tokens, files: preprocessor.files, diagnostics: preprocessor.diagnostics }
+    Stream {
+        tokens,
+        es: preprocessor.version.es,
+        files: preprocessor.files,
+        diagnostics: preprocessor.diagnostics,
+    }
 }
 
 /// The loose uniforms as one block: without offsets of their own, or gathered.

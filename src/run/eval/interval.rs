@@ -34,17 +34,12 @@ fn up(x: f64) -> f64 {
     -down(-x)
 }
 
-/// A sum, moved by one `f64` to where its rounding came from: `down` sees every digit.
+/// A sum that is not above what it stands for: `down` must see what its rounding lost.
 fn sum(a: f64, b: f64) -> f64 {
     let sum = a + b;
     let part = sum - a;
     let lost = (a - (sum - part)) + (b - part);
-    match lost {
-        _ if !sum.is_finite() => sum,
-        _ if lost > 0.0 => sum.next_up(),
-        _ if lost < 0.0 => sum.next_down(),
-        _ => sum,
-    }
+    if lost < 0.0 { sum.next_down() } else { sum }
 }
 
 /// The least interval with all these; any, if one is no number.
@@ -106,8 +101,16 @@ impl Interval {
         if wide.low >= -most && wide.high <= most { wide.flushed() } else { ANY }
     }
 
+    /// So many ULP about each of these. Above a power of two an ULP is twice as much as below:
+    /// from there one may get farther down than from the low end.
     fn ulps(self, count: f64) -> Interval {
-        self.within(count * ulp(self.low), count * ulp(self.high))
+        let lowest = |low: f64, high: f64| {
+            let power = 2f64.powi(low.log2().ceil() as i32);
+            let from = if low > 0.0 && power <= high { power } else { low };
+            (low - count * ulp(low)).min(from - count * ulp(from))
+        };
+        let (low, high) = (self.low, self.high);
+        self.within(low - lowest(low, high), -lowest(-high, -low) - high)
     }
 
     fn absolute(self, error: f64) -> Interval {
@@ -119,14 +122,12 @@ impl Interval {
     }
 
     pub fn abs(self) -> Interval {
-        self.unless_any(|x| {
-            let high = x.high.max(-x.low);
-            Interval { low: x.low.max(-x.high).max(0.0), high }
-        })
+        self.unless_any(|x| Interval { low: x.low.max(-x.high).max(0.0), high: x.size() })
     }
 
     pub fn add(self, other: Interval) -> Interval {
-        Interval { low: sum(self.low, other.low), high: sum(self.high, other.high) }.rounded()
+        let high = -sum(-self.high, -other.high);
+        Interval { low: sum(self.low, other.low), high }.rounded()
     }
 
     pub fn sub(self, other: Interval) -> Interval {
@@ -167,12 +168,14 @@ impl Interval {
         self.unless_any(|x| hull([f(x.low), f(x.high)]))
     }
 
-    /// What a rising function makes of it, each end with an error of its own.
-    fn rising(self, f: impl Fn(f64) -> f64, error: impl Fn(f64, f64) -> f64) -> Interval {
-        self.unless_any(|x| {
-            let (low, high) = (f(x.low), f(x.high));
-            hull([low, high]).unless_any(|y| y.within(error(x.low, low), error(x.high, high)))
-        })
+    /// What a rising function makes of it, off by so many ULP.
+    fn rising(self, f: impl Fn(f64) -> f64, count: f64) -> Interval {
+        self.monotone(f).unless_any(|y| y.ulps(count))
+    }
+
+    /// The larger absolute value.
+    fn size(self) -> f64 {
+        self.high.max(-self.low)
     }
 
     /// 2 ULP.
@@ -199,12 +202,12 @@ impl Interval {
 
     /// 3 + 2|x| ULP.
     pub fn exp(self) -> Interval {
-        self.rising(f64::exp, |x, y| (3.0 + 2.0 * x.abs()) * ulp(y)).not_below(0.0)
+        self.rising(f64::exp, 3.0 + 2.0 * self.size()).not_below(0.0)
     }
 
     /// 3 + 2|x| ULP.
     pub fn exp2(self) -> Interval {
-        self.rising(f64::exp2, |x, y| (3.0 + 2.0 * x.abs()) * ulp(y)).not_below(0.0)
+        self.rising(f64::exp2, 3.0 + 2.0 * self.size()).not_below(0.0)
     }
 
     /// The error of a small result may reach below what the function has.
@@ -217,8 +220,19 @@ impl Interval {
         if self.low <= 0.0 {
             return ANY;
         }
-        let near = 2f64.powi(-21);
-        self.rising(f, |x, y| if (0.5..=2.0).contains(&x) { near } else { 3.0 * ulp(y) })
+        let near = |x: Interval| x.monotone(f).absolute(2f64.powi(-21));
+        let far = |x: Interval| x.rising(f, 3.0);
+        if self.low > 2.0 || self.high < 0.5 {
+            return far(self);
+        }
+        let mut all = near(Interval { low: self.low.max(0.5), high: self.high.min(2.0) });
+        if self.low < 0.5 {
+            all = all.or(far(Interval { high: 0.5, ..self }));
+        }
+        if self.high > 2.0 {
+            all = all.or(far(Interval { low: 2.0, ..self }));
+        }
+        all
     }
 
     pub fn ln(self) -> Interval {
@@ -274,7 +288,7 @@ impl Interval {
 
     /// 4096 ULP.
     pub fn atan(self) -> Interval {
-        self.rising(f64::atan, |_, y| 4096.0 * ulp(y))
+        self.rising(f64::atan, 4096.0)
     }
 
     /// `self` over `x`: 4096 ULP, except across its cut and at its pole.

@@ -43,6 +43,9 @@ pub enum Floats {
     AsWritten,
     /// `f16`, each operation and everything that is read: arguments, inputs, buffers, textures.
     Half,
+    /// `f16` where a shader of OpenGL ES says `mediump` or `lowp`: GLSL ES 3.20 §4.7. Others
+    /// are as written.
+    Mediump,
 }
 
 /// A buffer the shader has.

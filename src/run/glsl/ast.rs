@@ -90,6 +90,16 @@ pub struct TypeSpec<'a> {
     pub base: TypeBase<'a>,
     pub dims: Vec<Dim<'a>>,
     pub span: Span,
+    /// Of floats and what is sampled, where the dialect has precisions: said, or the default.
+    pub precision: Option<Precision>,
+}
+
+/// How precisely a dialect of OpenGL ES wants numbers, the least first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Precision {
+    Low,
+    Medium,
+    High,
 }
 
 #[derive(Debug)]

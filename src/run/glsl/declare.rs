@@ -17,6 +17,15 @@ fn is_alone(word: &str) -> bool {
     matches!(word, "in" | "out" | "uniform" | "buffer")
 }
 
+fn precision(word: &str) -> Option<Precision> {
+    match word {
+        "lowp" => Some(Precision::Low),
+        "mediump" => Some(Precision::Medium),
+        "highp" => Some(Precision::High),
+        _ => None,
+    }
+}
+
 /// Whether a word stands before types.
 pub fn is_qualifier(word: &str) -> bool {
     matches!(word, "uniform" | "buffer" | "const" | "layout" | "subroutine")
@@ -33,7 +42,7 @@ impl<'a> Parser<'a, '_> {
                 continue;
             }
             if self.is("precision") {
-                self.skip_to_semicolon();
+                self.precision_statement();
                 continue;
             }
             if let Some(item) = self.item()? {
@@ -170,7 +179,34 @@ impl<'a> Parser<'a, '_> {
         Ok(dims)
     }
 
+    /// `precision mediump float;`
+    pub fn precision_statement(&mut self) {
+        let (said, ty) = (precision(self.ahead(1).text), self.ahead(2).text);
+        if let (Some(precisions), Some(said)) = (&mut self.precisions, said) {
+            match ty {
+                "float" => precisions.float = Some(said),
+                "sampler2D" | "samplerCube" => precisions.sampled = said,
+                _ => {}
+            }
+        }
+        self.skip_to_semicolon();
+    }
+
+    /// The precision of a type: what was said before it, or the default.
+    fn precision_of(&self, said: Option<Precision>, base: &TypeBase<'a>) -> Option<Precision> {
+        let precisions = self.precisions?;
+        let TypeBase::Name(name) = base else { return None };
+        match *name {
+            "float" => said.or(precisions.float),
+            "sampler2D" | "samplerCube" => said.or(Some(precisions.sampled)),
+            _ if name.starts_with("vec") || name.starts_with("mat") => said.or(precisions.float),
+            _ if name.starts_with("sampler") => said,
+            _ => None,
+        }
+    }
+
     pub fn type_spec(&mut self) -> Parsed<TypeSpec<'a>> {
+        let said = self.said.take();
         let start = self.token().span;
         let base = if self.is("struct") {
             TypeBase::Struct(Rc::new(self.structure()?))
@@ -185,7 +221,8 @@ impl<'a> Parser<'a, '_> {
             TypeBase::Struct(_) => start,
             TypeBase::Name(_) => self.since(start),
         };
-        Ok(TypeSpec { base, dims: self.dims()?, span })
+        let precision = self.precision_of(said, &base);
+        Ok(TypeSpec { base, dims: self.dims()?, span, precision })
     }
 
     fn structure(&mut self) -> Parsed<StructDecl<'a>> {
@@ -209,6 +246,7 @@ impl<'a> Parser<'a, '_> {
 
     pub fn qualifiers(&mut self) -> Parsed<Qualifiers<'a>> {
         let mut qualifiers = Qualifiers::default();
+        self.said = None;
         while self.token().kind == Kind::Name {
             let word = self.token().text;
             if !self.stands_qualifier() {
@@ -246,6 +284,7 @@ impl<'a> Parser<'a, '_> {
                 "centroid" => qualifiers.centroid = true,
                 "sample" => qualifiers.sample = true,
                 "patch" => qualifiers.patch = true,
+                "lowp" | "mediump" | "highp" => self.said = precision(word),
                 "readonly" => qualifiers.readonly = true,
                 "writeonly" => qualifiers.writeonly = true,
                 _ if word.starts_with("spirv_") => self.skip_round(),

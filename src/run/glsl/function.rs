@@ -36,6 +36,7 @@ pub struct Param<'a> {
     pub name: &'a str,
     pub ty: Ty,
     pub direction: Direction,
+    pub span: Span,
 }
 
 #[derive(Clone, Debug)]
@@ -60,7 +61,12 @@ impl<'a> Lowerer<'a> {
                 Storage::InOut => Direction::InOut,
                 _ => Direction::In,
             };
-            parameters.push(Param { name: parameter.name.text, ty, direction });
+            parameters.push(Param {
+                name: parameter.name.text,
+                ty,
+                direction,
+                span: parameter.name.span,
+            });
         }
         let returns = match self.parameter_type(&function.returns, &[]) {
             Ok(ty) => ty,
@@ -276,7 +282,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn parameter(&mut self, parameter: &Param<'a>, index: usize, changed: bool) -> R<()> {
-        let Param { name, ty, direction } = parameter;
+        let Param { name, ty, direction, span } = parameter;
         if *direction != Direction::In {
             if ty.has_opaque() {
                 return self.refuse(format!("`{name}` is a handle, and cannot be written"));
@@ -292,7 +298,9 @@ impl<'a> Body<'_, 'a> {
         let mut symbol = None;
         if holds_values(ty) {
             let carrier = self.cx.carrier(ty, self.span)?;
+            let outer = std::mem::replace(&mut self.span, *span);
             let (_, expr) = self.argument(name, carrier);
+            self.span = outer;
             let value = Val { expr, ty: ty.clone() };
             symbol = Some(if changed {
                 let local = self.local(name, ty)?;

@@ -29,6 +29,7 @@ mod operators;
 mod parse;
 mod parse_statement;
 mod place;
+mod precision;
 mod predeclared;
 pub(super) mod reach;
 mod statement;
@@ -63,6 +64,8 @@ pub struct Lowered {
     pub left_out: Vec<Diagnostic>,
     pub files: Files,
     pub bases: Bases,
+    /// What needs no more than `mediump`, in naga's numbering.
+    pub reduced: FxHashSet<(u32, u32)>,
 }
 
 /// What cannot run, and where.
@@ -147,7 +150,13 @@ pub(super) fn lower(source: &Source, options: &Options) -> Result<Lowered, Vec<D
     io::check_stage(stage).map_err(|d| vec![*d])?;
     let mut parser = parse::Parser::new(&stream.tokens);
     parser.stage_reads_varyings = stage != Some(Stage::Vertex);
+    if stream.es {
+        // GLSL ES 3.20 §4.7.4: a fragment shader says what its floats are.
+        let float = (stage != Some(Stage::Fragment)).then_some(ast::Precision::High);
+        parser.precisions = Some(parse::Precisions { float, sampled: ast::Precision::Low });
+    }
     let items = parser.items().map_err(|d| vec![*d])?;
+    let reduced = if stream.es { precision::reduced(&items) } else { FxHashSet::default() };
     let mut lowerer = Lowerer {
         ir: naga::Module::default(),
         stage,
@@ -192,8 +201,14 @@ pub(super) fn lower(source: &Source, options: &Options) -> Result<Lowered, Vec<D
         outputs,
         left_out: lowerer.left_out,
         files: stream.files,
+        reduced: reduced.iter().filter_map(|span| range(lowerer.bases.to_naga(*span))).collect(),
         bases: lowerer.bases,
     })
+}
+
+/// A span of naga's as first byte and one past the last.
+fn range(span: naga::Span) -> Option<(u32, u32)> {
+    span.to_range().map(|range| (range.start as u32, range.end as u32))
 }
 
 impl Lowerer<'_> {

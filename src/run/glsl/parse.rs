@@ -25,9 +25,21 @@ pub struct Parser<'a, 't> {
     pub stage_reads_varyings: bool,
     /// Structures being read, one inside the other.
     pub open_structures: u32,
+    /// Precisions in force; none in a dialect that has no use for them.
+    pub precisions: Option<Precisions>,
+    /// The precision that was said before the type that follows.
+    pub said: Option<Precision>,
     depth: u32,
     /// Statements being read, one inside the other.
     pub statements: u32,
+}
+
+/// What `precision` statements have set, and the language before them.
+#[derive(Clone, Copy, Debug)]
+pub struct Precisions {
+    pub float: Option<Precision>,
+    /// Of what a `sampler2D` or `samplerCube` gives; other samplers have none.
+    pub sampled: Precision,
 }
 
 impl<'a, 't> Parser<'a, 't> {
@@ -39,6 +51,8 @@ impl<'a, 't> Parser<'a, 't> {
             structures: FxHashSet::default(),
             stage_reads_varyings: false,
             open_structures: 0,
+            precisions: None,
+            said: None,
             depth: 0,
             statements: 0,
         }

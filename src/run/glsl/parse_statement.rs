@@ -16,11 +16,13 @@ impl<'a> Parser<'a, '_> {
     /// Statements up to `}`, which is passed.
     pub fn block(&mut self) -> Parsed<Vec<Statement<'a>>> {
         let structures = self.structures.clone();
+        let precisions = self.precisions;
         let mut statements = Vec::new();
         while !self.eat("}") {
             statements.push(self.statement()?);
         }
         self.structures = structures;
+        self.precisions = precisions;
         Ok(statements)
     }
 
@@ -113,7 +115,7 @@ impl<'a> Parser<'a, '_> {
                 Ok(StatementKind::Return(value))
             }
             "precision" => {
-                self.skip_to_semicolon();
+                self.precision_statement();
                 Ok(StatementKind::Empty)
             }
             _ if self.begins_declaration() => {

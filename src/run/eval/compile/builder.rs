@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use naga::valid::ModuleInfo;
 use naga::{Handle, TypeInner};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
 use super::super::counts::price;
@@ -25,6 +25,8 @@ pub(super) struct Builder<'a> {
     pub overrides: &'a [Option<f64>],
     pub locals: Locals,
     pub floats: Floats,
+    /// With [`Floats::Mediump`]: spans of the expressions that are rounded.
+    pub reduced: &'a FxHashSet<(u32, u32)>,
     /// Whether what is being compiled is rounded to `f16`.
     pub rounds: bool,
     pub buffers: Vec<BufferInfo>,
@@ -70,6 +72,7 @@ impl<'a> Builder<'a> {
         pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
         overrides: &'a [Option<f64>],
         floats: Floats,
+        reduced: &'a FxHashSet<(u32, u32)>,
     ) -> Builder<'a> {
         Builder {
             ir,
@@ -78,6 +81,7 @@ impl<'a> Builder<'a> {
             overrides,
             locals: Locals::Zeros,
             floats,
+            reduced,
             rounds: false,
             buffers: Vec::new(),
             images: Vec::new(),

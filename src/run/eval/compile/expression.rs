@@ -15,16 +15,28 @@ use super::pointer::Root;
 impl Function<'_, '_> {
     /// Compiles an expression where it stands.
     pub fn expression(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
-        let rounds = match self.b.floats {
-            Floats::AsWritten => false,
-            Floats::Half => true,
-        };
+        let rounds = self.is_rounded(handle);
         let outer = std::mem::replace(&mut self.b.rounds, rounds);
         let value = self.unrounded(handle);
         self.b.rounds = outer;
         match value? {
             Value::Regs(regs) if rounds => Ok(Value::Regs(self.halves(&regs))),
             value => Ok(value),
+        }
+    }
+
+    /// Whether a value is rounded to `f16`.
+    pub fn is_rounded(&self, handle: Handle<Expression>) -> bool {
+        match self.b.floats {
+            Floats::AsWritten => false,
+            Floats::Half => true,
+            Floats::Mediump => {
+                let range = self.arena.get_span(handle).to_range();
+                let span = range.map(|range| (range.start as u32, range.end as u32));
+                // A literal has no precision, and one stands for all of its value.
+                let literal = matches!(self.arena[handle], Expression::Literal(_));
+                span.is_some_and(|span| self.b.reduced.contains(&span)) && !literal
+            }
         }
     }
 

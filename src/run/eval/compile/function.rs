@@ -8,7 +8,7 @@ use naga::{Arena, Expression, Handle, LocalVariable, TypeInner};
 
 use super::super::code::{Class, Op, Origin, Reg};
 use super::super::flatten::class;
-use super::super::program::FunctionCode;
+use super::super::program::{Floats, FunctionCode};
 use super::super::value::{ValueType, value_type};
 use super::builder::Builder;
 use super::pointer::Pointer;
@@ -204,6 +204,10 @@ impl<'f, 'a> Function<'f, 'a> {
     /// The scalars of an expression, loaded if they must be.
     pub fn regs(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
         match self.value(handle)? {
+            // What is rounded takes its operands so: a literal is as precise as they are.
+            Value::Regs(regs) if self.b.rounds && self.b.floats == Floats::Mediump => {
+                Ok(self.halves(&regs))
+            }
             Value::Regs(regs) => Ok(regs),
             Value::View(pointer) => self.load_all(&pointer),
             Value::Pointer(_) => Err("a pointer used as a value".into()),

@@ -9,6 +9,8 @@ use super::function::Function;
 
 impl Function<'_, '_> {
     pub fn image(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
+        // What is sampled may be of less precision than where it is.
+        self.b.rounds = false;
         let arena = self.arena;
         match &arena[handle] {
             Expression::ImageSample {

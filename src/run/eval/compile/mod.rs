@@ -42,7 +42,7 @@ pub(super) fn compile(module: &Module, overrides: &[(String, f64)], floats: Floa
     let (ir, info) = (&module.ir, &module.info);
     let given = overrides_of(ir, overrides);
     let pending = |handle: Handle<naga::Override>| length_of(ir, &given, handle);
-    let mut builder = Builder::new(ir, info, &pending, &given, floats);
+    let mut builder = Builder::new(ir, info, &pending, &given, floats, &module.reduced);
     builder.locals = module.locals;
     let globals = globals(&mut builder);
     let mut functions = Vec::new();

@@ -197,7 +197,8 @@ impl Function<'_, '_> {
                 to.push(self.b.temporary(reg.class()));
             }
             self.copy(Op::Move, &to, &callee.result);
-            self.values[result.index()] = Some(Value::Regs(to.into()));
+            let rounded = self.is_rounded(result).then(|| self.halves(&to));
+            self.values[result.index()] = Some(Value::Regs(rounded.unwrap_or(to.into())));
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ mod control;
 mod half;
 mod integers;
 mod lighting;
+mod mediump;
 mod memory;
 mod notes;
 mod permitted;
