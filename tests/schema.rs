@@ -266,3 +266,29 @@ fn benches_keep_to_their_schema() {
     assert!(rows.iter().any(|row| row["runner"]["reader"] == "rust"), "{text}");
     assert!(rows.iter().any(|row| row["runner"]["reader"] == "cpu"), "{text}");
 }
+
+#[test]
+fn stressed_functions_keep_to_their_schema() {
+    let validator = validator("stress");
+    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/seed");
+    let lights = shaders.join("six_lights_330.frag").display().to_string();
+    let robust = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("shaders/six_lights/phong_330.frag#attenuation")
+        .display()
+        .to_string();
+    let domain = r#"{"d": [0, 10], "constant": [1, 2]}"#;
+    for more in [
+        &["--against", robust.as_str()][..],
+        &["--half"],
+        &["--domain", domain, "--reader", "cpu"],
+        &["--max-ulp", "1", "--seed", "7"],
+    ] {
+        let mut arguments = vec!["stress", &lights, "--fn", "attenuation", "--format", "json"];
+        arguments.extend(["--samples", "3000", "--time", "3"]);
+        arguments.extend(more);
+        let output = landfall(&arguments);
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{more:?}: {output:?}");
+        let value = holds(&validator, &String::from_utf8(output.stdout).unwrap(), "stress");
+        assert!(value["total"]["samples"].as_u64().unwrap() >= 3000, "{more:?}");
+    }
+}

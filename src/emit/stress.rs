@@ -47,14 +47,12 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
     );
     table(stressed, paint, &mut text);
     for (what, worst) in ["largest in ULP", "largest in steps"].iter().zip(&stressed.worst) {
-        let values: Vec<String> =
-            worst.sample.inputs.iter().map(|(path, value)| format!("{path} = {value}")).collect();
         let _ = writeln!(
             text,
             "  {what}: {} ULP, {} steps with {}",
             figure(worst.off.ulp),
             figure(worst.off.steps),
-            cut(&values.join(", "))
+            cut(&worst.sample.shown())
         );
         if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
             let line = format!(

@@ -33,9 +33,9 @@ pub struct Module {
     inputs: Vec<EntryInterface>,
     outputs: Vec<EntryInterface>,
     left_out: Vec<Diagnostic>,
+    pub(crate) locals: Locals,
     /// The expressions that need no more than `mediump`, by their spans in naga's numbering.
     pub(crate) reduced: FxHashSet<(u32, u32)>,
-    pub(crate) locals: Locals,
 }
 
 /// What a local variable holds before anything is put into it.

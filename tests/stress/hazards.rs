@@ -101,7 +101,7 @@ fn robust_forms_have_none_in_their_domain() {
         "light.ambient": "color", "light.diffuse": "color", "light.specular": "color",
         "light.constant": [0, 1], "light.linear": [0, 1], "light.quadratic": [0, 2],
         "normal": "unit", "viewDir": "unit", "fragPos": "position""#;
-    let apart = r#""no_coincidence": [["light.cutOff", "light.outerCutOff", 1e-4]]"#;
+    let apart = r#""no_coincidence": [["light.cutOff", "light.outerCutOff", 1e-3]]"#;
     for (path, function, json) in [
         (
             "shaders/six_lights/phong_330.frag",
@@ -137,4 +137,51 @@ fn a_hazard_is_not_named_where_the_domain_leaves_it_out() {
         domain(r#"{"constant": [1, 1], "linear": [0, 1], "quadratic": [0, 2], "d": [0, 10000]}"#);
     let kept = run(&shader(path), &request);
     assert!(kept.findings.is_empty(), "{}", all(&kept));
+}
+
+#[test]
+fn half_precision_breaks_what_single_does_not() {
+    use landfall::run::eval::Floats;
+    let mut request = request("attenuation");
+    request.samples = 10_000;
+    request.domain =
+        domain(r#"{"constant": [1, 1], "linear": [0, 1], "quadratic": [0, 2], "d": [0, 1000]}"#);
+    request.pure.floats = Floats::Half;
+    let report = run(&shader("shaders/seed/six_lights_330.frag"), &request);
+    // The square of 256 is 65536, which no half holds.
+    assert!(report.findings.iter().any(|found| found.hazard.id == "H4"), "{}", all(&report));
+}
+
+#[test]
+fn a_finding_says_what_any_device_may_do_and_what_the_robust_form_gains() {
+    let path = "shaders/seed/caster_spot_soft_330.frag";
+    let mut request = request("cone");
+    let robust = shader("shaders/casters/spot_soft_330.frag");
+    request.against = Some((robust, request.pure.clone()));
+    let report = run(&shader(path), &request);
+    let narrow = report.findings.iter().find(|found| found.hazard.id == "H17");
+    let narrow = narrow.unwrap_or_else(|| panic!("no H17 in\n{}", all(&report)));
+    let permitted = narrow.permitted.expect("it is known of f32");
+    assert!(permitted.any && permitted.steps > 0.5, "{permitted:?}");
+    let gain = narrow.gain.as_ref().expect("there is a form by the chord");
+    assert!(gain.after < gain.before / 10.0, "{gain:?}");
+    assert!(narrow.against.is_some());
+}
+
+#[test]
+fn errors_are_drawn_over_two_inputs() {
+    use landfall::accuracy::stress::{MapRequest, error_map};
+    let source = shader("shaders/seed/six_lights_330.frag");
+    let mut request = request("attenuation");
+    request.samples = 2_000;
+    request.domain = domain(r#"{"d": [0.001, 1000], "quadratic": [0, 1]}"#);
+    let report = run(&source, &request);
+    let map = |x: &str| {
+        let map = MapRequest { x: x.to_string(), y: "quadratic".to_string(), ..Default::default() };
+        error_map(&source, &landfall::Options::default(), &request, &report, &map)
+    };
+    let svg = map("d").unwrap_or_else(|refusal| panic!("{:?}", refusal.found));
+    assert!(svg.starts_with("<svg") && svg.contains("quadratic"), "{}", &svg[..200]);
+    let refused = map("dd").expect_err("there is no such input");
+    assert!(refused.found[0].help.as_deref().is_some_and(|help| help.contains("`d`")));
 }

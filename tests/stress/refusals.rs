@@ -52,7 +52,7 @@ fn a_function_that_is_not_there_has_a_nearest_name() {
 #[test]
 fn what_cannot_be_called_by_itself_is_refused_by_name() {
     for (function, why) in [
-        ("adds", "it writes the buffer `Sums`"),
+        ("adds", "it writes the buffer `sums`"),
         ("nothing", "it gives nothing back"),
         ("slopes", "it takes derivatives"),
         ("looks", "`t` is a `sampler2D`"),

@@ -122,7 +122,8 @@ fn shares(step: &Step, part: usize) -> Vec<f64> {
         Operation::Mul => vec![d(&o[0]) * x(1).abs(), d(&o[1]) * x(0).abs()],
         Operation::Div => {
             let by = x(1).abs().max(f64::MIN_POSITIVE);
-            vec![d(&o[0]) / by, d(&o[1]) * result.abs() / by]
+            let given = step.results.get(part).map_or(0.0, |r| f64::from(r.single).abs());
+            vec![d(&o[0]) / by, d(&o[1]) * result.abs().max(given) / by]
         }
         Operation::Fma => vec![d(&o[0]) * x(1).abs(), d(&o[1]) * x(0).abs(), d(&o[2])],
         Operation::Dot => {

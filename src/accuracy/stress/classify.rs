@@ -430,6 +430,10 @@ impl Look<'_> {
         }
         let guilty = self.graph.guilty(worst?.1)?;
         let step = &self.graph.trace.steps[guilty];
+        // What has no defined value is a finding of its own.
+        if undefined(step).is_some() {
+            return None;
+        }
         let (hazard, about) = self.loss(step);
         Some(self.candidate(step, hazard, about, None))
     }

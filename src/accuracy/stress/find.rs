@@ -62,16 +62,21 @@ pub(super) fn findings(
     // Climb from the worst losses first: what they lead to is looked at with the others.
     let mut climbed = Vec::new();
     let losses = ordered.iter().filter(|(key, _)| matches!(key.1, Why::Above | Why::Below));
-    for (_, kept) in losses.take(6) {
+    let began = Instant::now();
+    let left = until.saturating_duration_since(began);
+    let plan_of_climbs = &Plan { until: Some(began + left / 4), ..plan.clone() };
+    for (_, kept) in losses.take(4) {
         let steps = |off: &super::measure::Off| off.steps;
-        climbed.push(climb(pure, generator, plan, &kept.sample, steps, &mut random, tally).0);
+        climbed.push(
+            climb(pure, generator, plan_of_climbs, &kept.sample, steps, &mut random, tally).0,
+        );
     }
     for sample in &climbed {
         look(sample, &mut groups);
     }
     let mut each: FxHashMap<Why, usize> = FxHashMap::default();
     for ((_, why), kept) in &ordered {
-        if Instant::now() >= until {
+        if Instant::now() >= began + left / 2 {
             break;
         }
         if *why == Why::Endless {
@@ -90,7 +95,11 @@ pub(super) fn findings(
         .collect();
     all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
     let share = until.max(Instant::now() + Duration::from_millis(300));
-    for (key, raw) in &mut all {
+    let count = all.len();
+    for (nth, (key, raw)) in all.iter_mut().enumerate() {
+        // Each has its part of the time that is left.
+        let now = Instant::now();
+        let share = now + share.saturating_duration_since(now) / (count - nth).max(1) as u32 * 2;
         let loss = raw.candidate.kind.is_none();
         let was = raw.plausible;
         let breaks = |sample: &Sample| -> bool {
@@ -127,14 +136,24 @@ fn bad(examined: &Examined, plan: &Plan) -> bool {
     }
 }
 
-/// Mutations before scenes before bits, the worse first.
+/// One of each kind in turn; of a kind, mutations before scenes before bits, the worse first.
 fn order(exemplars: Exemplars) -> Vec<((u32, Why), Kept)> {
     let mut all: Vec<((u32, Why), Kept)> = exemplars.into_iter().collect();
     all.sort_by(|a, b| {
         let rank = |key: &(u32, Why)| key.0 >= 1 << 24;
         rank(&a.0).cmp(&rank(&b.0)).then(b.1.severity.total_cmp(&a.1.severity)).then(a.0.cmp(&b.0))
     });
-    all
+    let mut turns: FxHashMap<Why, usize> = FxHashMap::default();
+    let mut numbered: Vec<(usize, ((u32, Why), Kept))> = all
+        .into_iter()
+        .map(|one| {
+            let turn = turns.entry((one.0).1).or_default();
+            *turn += 1;
+            (*turn, one)
+        })
+        .collect();
+    numbered.sort_by_key(|(turn, _)| *turn);
+    numbered.into_iter().map(|(_, one)| one).collect()
 }
 
 fn sort(

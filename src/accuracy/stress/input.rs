@@ -44,6 +44,24 @@ impl Input {
         self.is_float() && self.len == 1
     }
 
+    /// One of its scalars as a number.
+    pub fn number(&self, word: u64) -> f64 {
+        match (self.scalar.kind, self.scalar.width) {
+            (ScalarKind::Float, 8) => f64::from_bits(word),
+            (ScalarKind::Sint, 8) => word as i64 as f64,
+            (ScalarKind::Uint, 8) => word as f64,
+            (ScalarKind::Sint, _) => f64::from(word as u32 as i32),
+            (ScalarKind::Uint | ScalarKind::Bool, _) => f64::from(word as u32),
+            (
+                ScalarKind::Float
+                | ScalarKind::Bfloat
+                | ScalarKind::FloatE5m2
+                | ScalarKind::FloatE4m3,
+                _,
+            ) => f64::from(f32::from_bits(word as u32)),
+        }
+    }
+
     /// Its scalars.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.len

@@ -134,7 +134,7 @@ pub fn stress(
     let mut sampled = sample::run(&pure, &generator, &plan, progress).map_err(&failed)?;
     let sampling = started.elapsed();
     let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
-    let more = request.time.map_or(Duration::from_secs(10), |time| time / 2);
+    let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
     let until = Instant::now() + more;
     let after = Plan { until: Some(until), ..plan.clone() };
     let mut climbed = Tally::default();
@@ -144,7 +144,8 @@ pub fn stress(
         .filter(|((_, why), _)| *why == sample::Why::Endless)
         .map(|(_, kept)| kept.sample.clone())
         .collect();
-    let worst = worst(&pure, &generator, &after, &sampled, &mut climbed);
+    let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
+    let worst = worst(&pure, &generator, &climbing, &sampled, &mut climbed);
     let exemplars = std::mem::take(&mut sampled.exemplars);
     let mut raws = find::findings(&pure, &generator, &after, exemplars, until, &mut climbed);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
@@ -153,13 +154,15 @@ pub fn stress(
     {
         tally.merge(&climbed);
     }
+    // What is written up is run again, each a sample, whatever the time is.
+    let writing = Plan { until: None, ..plan.clone() };
     Ok(report::report(report::Made {
         source,
         request,
         pure: &pure,
         inputs: &inputs,
         domain: &domain,
-        plan: &after,
+        plan: &writing,
         against: against.as_ref(),
         families: sampled.families,
         raws,
@@ -183,9 +186,9 @@ fn worst(
     let mut random = Random::new(11, 11);
     let mut all = Vec::new();
     let heights: [fn(&Off) -> f64; 2] = [|off| off.ulp, |off| off.steps];
-    for height in heights {
+    for (which, height) in heights.into_iter().enumerate() {
         let mut best: Option<(Sample, Off)> = None;
-        for start in sampled.starts() {
+        for start in sampled.starts(which) {
             let found = climb::climb(pure, generator, plan, start, height, &mut random, tally);
             if best.as_ref().is_none_or(|(_, off)| height(&found.1) > height(off)) {
                 best = Some(found);

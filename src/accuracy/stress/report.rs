@@ -31,7 +31,7 @@ pub struct Report {
     pub path: String,
     /// The function with the types of its parameters.
     pub function: String,
-    /// `single`, or `half` where all floats are rounded to it.
+    /// `single`, `half` where all floats are rounded to it, or `mediump`.
     pub precision: &'static str,
     /// What random numbers started from.
     pub seed: u64,
@@ -75,6 +75,8 @@ pub struct Worst {
 pub struct Case {
     /// The inputs by path, in JSON.
     pub inputs: Vec<(String, String)>,
+    /// The same flat: vectors and scalars, integers as numbers.
+    pub flat: Vec<(String, Vec<f64>)>,
     /// Its results.
     pub results: Vec<ResultScalar>,
     /// The arguments of `landfall run` that repeat it.
@@ -343,7 +345,13 @@ fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
             });
         }
     }
-    Case { inputs, results, arguments: line, values }
+    let flat = super::input::inputs(pure)
+        .iter()
+        .map(|input| {
+            (input.path.clone(), input.range().map(|at| input.number(sample[at])).collect())
+        })
+        .collect();
+    Case { inputs, flat, results, arguments: line, values }
 }
 
 impl Report {

@@ -121,9 +121,9 @@ pub(super) struct Sampled {
 const TOPS: usize = 3;
 
 impl Sampled {
-    /// Where to climb from.
-    pub fn starts(&self) -> impl Iterator<Item = &Sample> {
-        self.tops.iter().flatten().map(|kept| &kept.sample)
+    /// Where to climb from: 0 for units of the last place, 1 for steps.
+    pub fn starts(&self, which: usize) -> impl Iterator<Item = &Sample> {
+        self.tops[which].iter().map(|kept| &kept.sample)
     }
 
     fn top(&mut self, which: usize, severity: f64, at: (usize, usize), sample: &Sample) {

@@ -3,7 +3,7 @@
 //! Used by the report's lints and by [`emit::stress`](crate::emit::stress).
 
 use super::measure::Outcome;
-use super::report::Found;
+use super::report::{Case, Found};
 use crate::run::eval::{Number, Operation};
 
 impl Found {
@@ -38,7 +38,7 @@ impl Found {
         let operands: Vec<String> = operation.operands.iter().map(single).collect();
         let name = name(operation.operation);
         let (f32, f64) = (single(&operation.result), number(operation.result.double));
-        let result = match f32 == f64 {
+        let result = match f32 == f64 || self.breach.is_some() {
             true => format!("= {f32}"),
             false => format!("= {f32}, should be {f64}"),
         };
@@ -48,9 +48,7 @@ impl Found {
     /// Facts: the input, what its rounding does, what the robust form gains.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        let values: Vec<String> =
-            self.case.inputs.iter().map(|(path, value)| format!("{path} = {value}")).collect();
-        notes.push(format!("with {}", values.join(", ")));
+        notes.push(format!("with {}", self.case.shown()));
         if let (Some(operation), None) = (&self.operation, self.kind) {
             let error = |n: &Number| (f64::from(n.single) - n.double).abs() / n.double.abs();
             let before = operation.operands.iter().map(error).filter(|x| x.is_finite());
@@ -126,6 +124,28 @@ impl Found {
             notes.push("only with numbers no scene has".to_string());
         }
         notes
+    }
+}
+
+impl Case {
+    /// The inputs that are not zero, and that the others are.
+    pub fn shown(&self) -> String {
+        let set = self.flat.iter().filter(|(_, values)| values.iter().any(|x| *x != 0.0));
+        let mut all: Vec<String> = set
+            .map(|(path, values)| {
+                let values: Vec<String> = values.iter().map(|x| number(*x)).collect();
+                match values.len() {
+                    1 => format!("{path} = {}", values[0]),
+                    _ => format!("{path} = ({})", values.join(", ")),
+                }
+            })
+            .collect();
+        match (all.len(), self.flat.len() - all.len()) {
+            (_, 0) => {}
+            (0, _) => all.push("all inputs zero".to_string()),
+            (_, _) => all.push("all else zero".to_string()),
+        }
+        all.join(", ")
     }
 }
 

@@ -123,7 +123,11 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
             function: args.function.clone(),
             data: data::blocks(args.data.as_deref())?,
             textures: textures.collect::<Result<_, Error>>()?,
-            floats: if args.half { Floats::Half } else { Floats::AsWritten },
+            floats: match (args.half, args.mediump) {
+                (true, _) => Floats::Half,
+                (false, true) => Floats::Mediump,
+                (false, false) => Floats::AsWritten,
+            },
         },
         against,
         domain,

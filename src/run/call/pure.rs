@@ -223,7 +223,7 @@ impl Pure {
         for parameter in &self.parameters {
             let words = &words[next..next + parameter.scalars.len()];
             next += parameter.scalars.len();
-            let value = Given::new(&parameter.ty, self.language, words, None).json();
+            let value = shortest(Given::new(&parameter.ty, self.language, words, None).json());
             match &parameter.origin {
                 Origin::Argument(at) => arguments.push((*at, value)),
                 Origin::Input => inputs.push((parameter.path.clone(), value)),
@@ -623,5 +623,25 @@ fn root(function: &Function, mut at: Handle<Expression>) -> Option<Handle<Global
             Expression::GlobalVariable(variable) => return Some(variable),
             _ => return None,
         }
+    }
+}
+
+/// Floats by the fewest digits that are the same `f32`.
+fn shortest(value: Value) -> Value {
+    match value {
+        Value::Array(items) => Value::Array(items.into_iter().map(shortest).collect()),
+        Value::Object(map) => {
+            Value::Object(map.into_iter().map(|(key, value)| (key, shortest(value))).collect())
+        }
+        Value::Number(number) if number.is_f64() => {
+            let wide = number.as_f64().unwrap_or_default();
+            let single = wide as f32;
+            let short = format!("{single:?}").parse::<f64>();
+            match short {
+                Ok(short) if f64::from(single) == wide => Value::from(short),
+                Ok(_) | Err(_) => Value::Number(number),
+            }
+        }
+        Value::Number(_) | Value::String(_) | Value::Bool(_) | Value::Null => value,
     }
 }

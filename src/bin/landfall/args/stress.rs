@@ -49,9 +49,12 @@ pub struct StressArgs {
     /// A robust form to hold beside each finding: FILE, or FILE#NAME for a function of another name
     #[arg(long, value_name = "FILE[#NAME]")]
     pub against: Option<String>,
-    /// Round every float to f16 at each operation, as `mediump` and `f16` may be
-    #[arg(long)]
+    /// Round every float to f16 at each operation
+    #[arg(long, conflicts_with = "mediump")]
     pub half: bool,
+    /// Round to f16 what a shader of OpenGL ES says is mediump or lowp
+    #[arg(long)]
+    pub mediump: bool,
     /// Draw the error over two inputs, --map-x and --map-y, as SVG or HTML
     #[arg(long, value_name = "FILE", requires_all = ["map_x", "map_y"])]
     pub map: Option<PathBuf>,
