@@ -112,6 +112,11 @@ fn a_highlight_on_the_lit_side_only_is_gated() {
     ] {
         assert!(!has("ungated-specular", "a.frag", &changed(SPOT, shine, to)), "{to}");
     }
+    // Fresnel's term is no highlight.
+    let fresnel = "float shine = pow(1.0 - max(dot(normalize(l + v), v), 0.0), 5.0);";
+    assert!(!has("ungated-specular", "a.frag", &changed(SPOT, shine, fresnel)));
+    let half = "float shine = pow(max(dot(normalize(l + v), n), 0.0), 5.0);";
+    assert!(has("ungated-specular", "a.frag", &changed(SPOT, shine, half)));
     // A cosine of something else gates nothing.
     let cone = "float shine = pow(x, shininess) * step(0.0, theta);";
     assert!(has("ungated-specular", "a.frag", &changed(SPOT, shine, cone)));

@@ -48,8 +48,11 @@ impl Walk<'_> {
                 }
                 if self.graph.is_math(mirrored, M::Reflect) {
                     found = self.graph.args(mirrored).get(1).copied();
-                } else if mirrored != x && self.graph.binary(mirrored, B::Add).is_some() {
-                    found = Some(other);
+                } else if let Some((l, v)) = self.graph.binary(mirrored, B::Add) {
+                    // With one of the two it is half of, it is Fresnel's term and no highlight.
+                    if mirrored != x && other != l && other != v {
+                        found = Some(other);
+                    }
                 }
             }
             found.is_some()
