@@ -1,6 +1,6 @@
 //! Texels of a surface: nearest, repeating, 8 bits a channel.
 //!
-//! Reads a [`Material`](super::scene::Material) at texture coordinates; the reference computes
+//! Reads a [`Material`] at texture coordinates; the reference computes
 //! from the texels and a renderer uploads [`color`]s, so that both see the same ones.
 
 use glam::DVec3;

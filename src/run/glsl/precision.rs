@@ -227,19 +227,17 @@ impl<'a> Walk<'a> {
                 }
             }
             ExprKind::Call(name, arguments) => {
-                // All of them, for what is in them.
-                let all = self.highest(arguments);
+                let all: Vec<Known> = arguments.iter().map(|e| self.expression(e)).collect();
                 if let Some(returns) = self.functions.get(name.text) {
                     return returns.clone();
                 }
                 if let Some(members) = self.structures.get(name.text) {
                     return Known { precision: None, members: Some(members.clone()) };
                 }
-                match arguments.first() {
-                    // What is sampled is as precise as its sampler.
-                    Some(sampler) if name.text.starts_with("texture") => self.of(sampler),
-                    _ => Known { precision: all.precision, members: None },
-                }
+                // What is sampled is as precise as its sampler.
+                let counted = if name.text.starts_with("texture") { 1 } else { all.len() };
+                let precision = all.iter().take(counted).filter_map(|one| one.precision).max();
+                Known { precision, members: None }
             }
             ExprKind::Construct(ty, arguments) => {
                 let all = self.highest(arguments);

@@ -103,6 +103,20 @@ fn precisions_mean_nothing_outside_of_es() {
     assert_eq!(floats(&p, "f", &[&[a]]), [half(half(a) * 3.0)]);
 }
 
+#[test]
+fn calls_inside_calls_take_no_longer_than_they_are_deep() {
+    let nested = format!("{}image{}", "texture(".repeat(150), ", at)".repeat(150));
+    let text = format!(
+        "#version 300 es
+        uniform sampler2D image; in highp vec2 at;
+        highp vec4 f() {{ return {nested}; }}
+        void main() {{}}"
+    );
+    let found = Module::new(&Source::new("test.frag", text.as_str()), &Options::default());
+    let left_out = found.expect("`main` runs").left_out().len();
+    assert_eq!(left_out, 1, "what is sampled is no texture");
+}
+
 /// A study found 0.115 steps of 255 on average, 0.42 at the 99th of 100 and 0.73 at most for
 /// attenuation and colours in `f16` with the geometry in `f32`, which is what this shader says.
 #[test]
