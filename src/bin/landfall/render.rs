@@ -148,6 +148,7 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         let truth = made.truth()?;
         report.time = begun.elapsed();
         report.shader = None;
+        report.model = made.model;
         truth.picture
     } else {
         let lighted = made.light(args.reader, args, streams)?;
@@ -242,7 +243,7 @@ impl Made<'_> {
             time: Duration::ZERO,
             tally: None,
             map: self.renderer.as_ref().map(|renderer| renderer.map.clone()),
-            model: self.model,
+            model: None,
             compared: Vec::new(),
             written: Vec::new(),
             notes,
