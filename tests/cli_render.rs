@@ -105,6 +105,28 @@ fn the_reference_needs_no_shader_but_a_model() {
 }
 
 #[test]
+fn a_scene_may_name_its_shader_beside_it() {
+    let folder = folder("named");
+    let scene = std::fs::read_to_string(SCENE).expect("it is there");
+    std::fs::copy(SHADER, folder.join("lit.frag")).expect("it is copied");
+    let file = folder.join("scene.json").display().to_string();
+    for (shader, code, said) in [
+        ("\"lit.frag\"", 0, "lit.frag"),
+        (r#"{"path": "lit.frag", "normals": "unit", "define": {"X": 1}}"#, 0, "lit.frag"),
+        (r#"{"path": "lit.frag", "normal": "unit"}"#, 2, "`shader` with `normal`"),
+        (r#"{"path": "lit.frag", "normals": "bent"}"#, 2, "`transformed`, `unit`"),
+        ("\"gone.frag\"", 2, "gone.frag"),
+    ] {
+        let with = scene.replacen('{', &format!("{{\"shader\": {shader},"), 1);
+        std::fs::write(&file, with).expect("it is written");
+        let output = landfall(&["render", &file, "--size", "8x8"]);
+        let all = format!("{}{}", text(&output.stdout), text(&output.stderr));
+        assert_eq!(output.status.code(), Some(code), "{shader}\n{all}");
+        assert!(all.contains(said), "{shader}\n{all}");
+    }
+}
+
+#[test]
 fn what_cannot_be_rendered_is_named() {
     let folder = folder("refused");
     let scene = std::fs::read_to_string(SCENE).expect("it is there");

@@ -93,7 +93,8 @@ fn inputs_arrive_bit_for_bit_in_every_version_on_every_reader() {
                 continue;
             }
             let shader = shader(name, &text);
-            let inputs: Vec<_> = (0..3).map(|seed| values(count, seed)).collect();
+            let all = 0..shader.inputs().len() as u64;
+            let inputs: Vec<_> = all.map(|seed| values(count, seed)).collect();
             let of = |name: &str| {
                 let found = shader.inputs().iter().position(|input| input.name == name);
                 &inputs[found.unwrap_or_else(|| panic!("no `{name}`"))]
@@ -187,6 +188,35 @@ fn discarded_fragments_are_marked() {
             }
             let shaded = run(reader.as_mut(), &shader, &[], &inputs);
             assert_eq!(shaded.discarded, expected, "{name} on {who}");
+        }
+    }
+}
+
+#[test]
+fn the_pixel_is_given_like_any_other_input() {
+    let texts = [
+        (
+            "p.frag",
+            "#version 450\nout vec4 c;\nvec4 at() { return gl_FragCoord; }\nvoid main() { c = at(); }",
+        ),
+        ("p1.frag", "#version 110\nvoid main() { gl_FragColor = gl_FragCoord; }"),
+        (
+            "p.wgsl",
+            "@fragment fn main(@builtin(position) at: vec4f) -> @location(0) vec4f { return at; }",
+        ),
+    ];
+    let inputs = vec![values(300, 9)];
+    let mut readers = readers();
+    for (name, text) in texts {
+        let shader = shader(name, text);
+        assert_eq!(shader.inputs()[0].location, None);
+        for reader in &mut readers {
+            let who = reader.device().reader;
+            if who == "gl" && name.ends_with("wgsl") {
+                continue;
+            }
+            let shaded = run(reader.as_mut(), &shader, &[], &inputs);
+            assert_eq!(shaded.colors, inputs[0], "{name} on {who}");
         }
     }
 }

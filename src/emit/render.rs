@@ -52,7 +52,7 @@ pub struct RenderReport {
     pub tally: Option<Tally>,
     /// What its members were given.
     pub map: Option<BindingMap>,
-    /// The model of the reference, and whether it was said.
+    /// The model of the reference, where that was asked, and whether the model was said.
     pub model: Option<(Model, bool)>,
     /// What was skipped.
     pub plan: Option<Plan>,
@@ -145,7 +145,7 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         }
     }
     if let Some((model, said)) = &report.model {
-        let origin = if *said { "" } else { "; the nearest of those the shader looks like" };
+        let origin = if *said { "" } else { "; the nearest of those the shader may be" };
         row("model", &format!("{}{origin}", model_text(model)));
     }
     for compared in &report.compared {

@@ -160,6 +160,7 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         let truth = made.truth()?;
         report.time = begun.elapsed();
         report.shader = None;
+        report.model = made.model;
         truth.picture
     } else {
         let planned = plan::plan(args, asked, &made)?;
@@ -262,7 +263,7 @@ impl Made<'_> {
             time: Duration::ZERO,
             tally: None,
             map: self.renderer.as_ref().map(|renderer| renderer.map.clone()),
-            model: self.model,
+            model: None,
             plan: None,
             compared: Vec::new(),
             written: Vec::new(),

@@ -32,6 +32,9 @@ pub(super) struct Fetching {
     pub read: Vec<bool>,
 }
 
+/// The new entry point's name; names like it are none of the shader's.
+const ENTRY: &str = "landfall_main";
+
 /// What the new entry point returns.
 #[derive(Clone, Copy)]
 enum Gives {
@@ -66,7 +69,7 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
         module: made(Gives::Result)?,
         read,
         covered: if kills { Some(made(Gives::White)?) } else { None },
-        entry: entry.name.clone(),
+        entry: ENTRY.to_string(),
         inputs,
         atlas,
         differences,
@@ -165,6 +168,10 @@ fn rebuilt(
     let mut module = module.clone();
     let ir = &mut module.ir;
     let mut old = entry.function.clone();
+    // GLSL's entry point is not its `main`, but what calls it.
+    if ir.functions.iter().any(|(_, function)| function.name == old.name) {
+        old.name = Some("landfall_entry".to_string());
+    }
     old.arguments.iter_mut().for_each(|argument| argument.binding = None);
     let result = old.result.as_mut().map(|result| result.binding.take());
     let result = result.zip(old.result.clone());
@@ -190,7 +197,7 @@ fn rebuilt(
         Span::UNDEFINED,
     );
     let mut new = Fetcher { function: Function::default(), builtins: Vec::new() };
-    new.function.name = entry.function.name.clone();
+    new.function.name = Some(ENTRY.to_string());
     let structs: Vec<Option<Vec<StructMember>>> = old_arguments
         .iter()
         .map(|argument| match &ir.types[argument.ty].inner {
@@ -260,7 +267,8 @@ fn rebuilt(
         }
     };
     function.body.push(Statement::Return { value }, Span::UNDEFINED);
-    ir.entry_points = vec![EntryPoint { function, ..entry.clone() }];
+    let name = ENTRY.to_string();
+    ir.entry_points = vec![EntryPoint { name, function, ..entry.clone() }];
     module.validated()
 }
 
