@@ -85,12 +85,27 @@ fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
 
 #[test]
 fn lights_of_a_shader_that_counts_them_cost_a_slope() {
-    let found = bench(&["shaders/scenes/two_of_128.json", "--reader", "cpu"]);
+    let variant = "all=shaders/light_arrays/all_lights_450.frag";
+    let scene = "shaders/scenes/two_of_128.json";
+    let found = bench(&[scene, "--reader", "cpu", "--variant", variant]);
     let shader = found.rows.iter().find(|row| row.runner.reader == "cpu");
     let shader = shader.unwrap_or_else(|| panic!("{:?}", found.failed));
     assert!(shader.light.is_some_and(|spread| spread.median > 0.0), "{shader:?}");
     // Far below 128 slots: only lights in use are evaluated.
     assert!(shader.work.evaluations.is_some_and(|n| n < 10.0), "{:?}", shader.work);
+}
+
+#[test]
+fn a_variant_of_another_model_is_held_against_its_own() {
+    let facing = r#"robust={"family": "multi", "specular_gate": "facing"}"#;
+    let robust = "robust=shaders/six_lights/phong_450.frag";
+    let one = |more: &[&str]| {
+        let found = bench(&[&[SCENE, "--reader", "cpu", "--variant", robust], more].concat());
+        found.rows[0].errors.max_steps
+    };
+    // It gates highlights by the side the light is on, which the published model does not.
+    let (published, own) = (one(&["--model", "multi"]), one(&["--model-of", facing]));
+    assert!(own < 2e-3 && own < published, "{own} {published}");
 }
 
 #[test]
@@ -147,6 +162,7 @@ fn what_cannot_be_measured_is_refused_by_name() {
     refused(&[SCENE, "--variant", "a=rust:sturdy"], "forms are `seed`, `robust`");
     refused(&[SCENE, "--variant", "a=plan:sometimes"], "sometimes");
     refused(&[SCENE, "--variant", "a=no_such.frag"], "no_such.frag");
+    refused(&[SCENE, "--variant", "a=rust:seed", "--model-of", "b=multi"], "`--model-of`");
     refused(&["shaders/six_lights/phong_450.frag", "--fn", "nosuch"], "no function `nosuch`");
     let output = landfall(&["bench", SCENE, "--rounds", "1"]);
     assert_eq!(output.status.code(), Some(2));

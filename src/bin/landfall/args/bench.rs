@@ -41,6 +41,10 @@ pub struct BenchArgs {
     /// The lighting model of the reference [default: the scene's, or what the shader looks like]
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
+    /// The model of one variant, which is then held against a reference of its own: for shaders
+    /// that compute something else on purpose. Once for each
+    #[arg(long, value_name = "NAME=MODEL", value_parser = setting)]
+    pub model_of: Vec<(String, String)>,
     /// Which number of the scene goes to which member: a file of JSON, or an object
     #[arg(long, value_name = "FILE|JSON")]
     pub bind: Vec<String>,

@@ -36,25 +36,38 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
         BenchFormat::Human | BenchFormat::Csv => FindingForm::Human,
         BenchFormat::Json => FindingForm::Json,
     });
-    let ask = |shader: Option<PathBuf>| {
+    let ask = |shader: Option<PathBuf>, model: Option<&String>| {
         let wanted = Wanted {
             scene: &args.subject,
             shader,
             entry: None,
             size: args.size,
-            model: args.model.clone(),
+            model: model.or(args.model.as_ref()).cloned(),
             bind: args.bind.clone(),
             read: &args.read,
         };
         asked(&wanted, streams, &style)
     };
-    let Some(own) = ask(None)? else { return Ok(None) };
+    let Some(own) = ask(None, None)? else { return Ok(None) };
     let variants = variants(args, &own)?;
+    let unknown = args.model_of.iter().find(|(of, _)| variants.iter().all(|(name, _)| name != of));
+    if let Some((name, _)) = unknown {
+        return Err(wrong(name, "is no variant, and `--model-of` gives it a model").into());
+    }
     let mut renderers: Vec<Option<Renderer>> = Vec::new();
-    for (_, what) in &variants {
+    let mut models: Vec<Option<Model>> = Vec::new();
+    for (name, what) in &variants {
+        let said = args.model_of.iter().find(|(of, _)| of == name).map(|(_, model)| model);
+        models.push(match said {
+            Some(model) => {
+                let Some(asked) = ask(None, Some(model))? else { return Ok(None) };
+                asked.model
+            }
+            None => None,
+        });
         renderers.push(match what {
             What::Shader(file) => {
-                let Some(asked) = ask(file.clone())? else { return Ok(None) };
+                let Some(asked) = ask(file.clone(), None)? else { return Ok(None) };
                 match asked.renderer() {
                     Ok(renderer) => renderer,
                     Err(error) => {
@@ -73,18 +86,25 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
     let most = if plans { u64::MAX } else { args.most };
     let frame = Frame::new(&own.scene, &own.frame);
     let all = frame.fragments.len();
-    let stage = Stage::new(model, Upload::new(&own.scene), frame, most);
+    let upload = Upload::new(&own.scene);
+    let stage = Stage::new(model, upload.clone(), frame.clone(), most);
+    let others: Vec<Option<Stage>> = models
+        .into_iter()
+        .map(|model| model.map(|model| Stage::new(model, upload.clone(), frame.clone(), most)))
+        .collect();
+    let stages: Vec<&Stage> = others.iter().map(|other| other.as_ref().unwrap_or(&stage)).collect();
     let taken = stage.frame.fragments.len();
     let mut subject = own.scene.name.clone();
     if taken < all {
         subject.push_str(&format!(", {taken} of {all} fragments"));
     }
-    let about = About {
-        subject,
-        truth: "the f64 reference from the same upload".to_string(),
-        size: Size { fragments: taken as u64, lights: stage.lights() },
-    };
-    let (entries, failed) = entries(args, &variants, &renderers, &stage);
+    let mut truth = "the f64 reference from the same upload".to_string();
+    for (name, model) in &args.model_of {
+        truth.push_str(&format!(", {name} by the model {model}"));
+    }
+    let size = Size { fragments: taken as u64, lights: stage.lights() };
+    let about = About { subject, truth, size };
+    let (entries, failed) = entries(args, &variants, &renderers, &stages);
     Ok(Some(measured(about, entries, failed, args, streams)))
 }
 
@@ -132,7 +152,7 @@ fn entries<'a>(
     args: &BenchArgs,
     variants: &'a [(String, What)],
     renderers: &'a [Option<Renderer>],
-    stage: &'a Stage,
+    stages: &[&'a Stage],
 ) -> (Vec<Entry<'a>>, Vec<Failed>) {
     let (mut entries, mut failed) = (Vec::new(), Vec::new());
     let fail = |variant: &str, reader: &str, reason: String| Failed {
@@ -140,7 +160,7 @@ fn entries<'a>(
         reader: reader.to_string(),
         reason,
     };
-    for (name, what) in variants {
+    for ((name, what), stage) in variants.iter().zip(stages) {
         let made = match what {
             What::Shader(_) => continue,
             What::Rust(form, least) => Compiled::new(stage, *form, *least),
@@ -169,7 +189,7 @@ fn entries<'a>(
             }
         };
         let runner = Runner::of(shared.borrow().device(), Clock::Processor);
-        for ((name, _), renderer) in variants.iter().zip(renderers) {
+        for (((name, _), renderer), stage) in variants.iter().zip(renderers).zip(stages) {
             let Some(renderer) = renderer else { continue };
             let made = Shader::new(stage, renderer, Rc::clone(&shared), args.limit)
                 .map_err(|error| error.to_string())
