@@ -386,7 +386,10 @@ fn mutations(inputs: &[Input]) -> Vec<Mutation> {
         }
     }
     for cone in of(&|i| i.role.is_cone()) {
-        push(vec![Stand(Geometry::OnAxis), Set(cone, one)]);
+        // Rounding puts one in seven fragments of the axis inside such a cone.
+        for _ in 0..8 {
+            push(vec![Stand(Geometry::OnAxis), Set(cone, one)]);
+        }
         push(vec![Stand(Geometry::Ordinary), Set(cone, one)]);
         for narrow in 3..scene::CONES.len() {
             for geometry in [Geometry::InRamp, Geometry::OnAxis] {
