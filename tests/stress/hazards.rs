@@ -16,8 +16,9 @@ fn meets(path: &str, function: &str, hazards: &[(&str, &str)]) {
             .any(|found| found.hazard.id == *id && line(&report, found).contains(text));
         assert!(here, "{path}, {function}: no {id} at `{text}` in\n{}", all(&report));
     }
-    // On a machine that has something else to do too.
-    assert!(seconds < 30.0, "{path}, {function}: {seconds} s");
+    // Ten seconds of samples, half as much again for what was found, on a machine that has
+    // something else to do too.
+    assert!(seconds < 40.0, "{path}, {function}: {seconds} s");
 }
 
 const POWER: &str = "return pow(max(dot(viewDir, mirrored), 0.0), shininess);";
