@@ -16,8 +16,9 @@ fn meets(path: &str, function: &str, hazards: &[(&str, &str)]) {
             .any(|found| found.hazard.id == *id && line(&report, found).contains(text));
         assert!(here, "{path}, {function}: no {id} at `{text}` in\n{}", all(&report));
     }
-    // On a machine that has something else to do too.
-    assert!(seconds < 30.0, "{path}, {function}: {seconds} s");
+    // Ten seconds of samples, half as much again for what was found, on a machine that has
+    // something else to do too.
+    assert!(seconds < 40.0, "{path}, {function}: {seconds} s");
 }
 
 const POWER: &str = "return pow(max(dot(viewDir, mirrored), 0.0), shininess);";
@@ -99,7 +100,7 @@ fn robust_forms_have_none_in_their_domain() {
     let lights = r#"
         "light.position": "position", "light.direction": "unit",
         "light.ambient": "color", "light.diffuse": "color", "light.specular": "color",
-        "light.constant": [0, 1], "light.linear": [0, 1], "light.quadratic": [0, 2],
+        "light.constant": [1, 2], "light.linear": [0, 1], "light.quadratic": [0, 2],
         "normal": "unit", "viewDir": "unit", "fragPos": "position""#;
     let apart = r#""no_coincidence": [["light.cutOff", "light.outerCutOff", 1e-3]]"#;
     for (path, function, json) in [
@@ -154,9 +155,9 @@ fn half_precision_breaks_what_single_does_not() {
 
 #[test]
 fn a_finding_says_what_any_device_may_do_and_what_the_robust_form_gains() {
-    let path = "shaders/seed/caster_spot_soft_330.frag";
-    let mut request = request("cone");
-    let robust = shader("shaders/casters/spot_soft_330.frag");
+    let path = "shaders/seed/six_lights_330.frag";
+    let mut request = request("CalcSpotLight");
+    let robust = shader("shaders/six_lights/phong_330.frag");
     request.against = Some((robust, request.pure.clone()));
     let report = run(&shader(path), &request);
     let narrow = report.findings.iter().find(|found| found.hazard.id == "H17");

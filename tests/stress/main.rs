@@ -20,7 +20,7 @@ fn request(function: &str) -> Request {
     Request {
         pure: PureRequest { function: function.to_string(), ..PureRequest::default() },
         samples: 40_000,
-        time: Some(Duration::from_secs(6)),
+        time: Some(Duration::from_secs(10)),
         ..Request::default()
     }
 }

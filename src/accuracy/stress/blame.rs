@@ -114,14 +114,19 @@ fn wrong(number: Number) -> bool {
 /// By operand: how much of the result's error its own error makes, to first order.
 fn shares(step: &Step, part: usize) -> Vec<f64> {
     let d = |o: &Operand| (f64::from(o.number.single) - o.number.double).abs();
-    let x = |i: usize| step.operands[i].number.double;
+    // Where the two are far apart, the larger one.
+    let x = |i: usize| {
+        let n = step.operands[i].number;
+        n.double.abs().max(f64::from(n.single).abs())
+    };
     let o = &step.operands;
     let result = step.results.get(part).map_or(0.0, |r| r.double);
     let plain = || o.iter().map(&d).collect::<Vec<f64>>();
     match step.operation {
         Operation::Mul => vec![d(&o[0]) * x(1).abs(), d(&o[1]) * x(0).abs()],
         Operation::Div => {
-            let by = x(1).abs().max(f64::MIN_POSITIVE);
+            let n = step.operands[1].number;
+            let by = n.double.abs().min(f64::from(n.single).abs()).max(f64::MIN_POSITIVE);
             let given = step.results.get(part).map_or(0.0, |r| f64::from(r.single).abs());
             vec![d(&o[0]) / by, d(&o[1]) * result.abs().max(given) / by]
         }
@@ -144,13 +149,12 @@ fn shares(step: &Step, part: usize) -> Vec<f64> {
             let length = o.iter().map(|o| o.number.double.powi(2)).sum::<f64>().sqrt();
             o.iter().map(|o| d(o) / length.max(f64::MIN_POSITIVE)).collect()
         }
-        Operation::Mix => vec![
-            d(&o[0]) * (1.0 - x(2)).abs(),
-            d(&o[1]) * x(2).abs(),
-            d(&o[2]) * (x(1) - x(0)).abs(),
-        ],
+        Operation::Mix => {
+            vec![d(&o[0]) * x(2).max(1.0), d(&o[1]) * x(2).abs(), d(&o[2]) * x(1).max(x(0))]
+        }
         Operation::SmoothStep => {
-            let width = (x(1) - x(0)).abs().max(f64::MIN_POSITIVE);
+            let edge = |i: usize| step.operands[i].number.double;
+            let width = (edge(1) - edge(0)).abs().max(f64::MIN_POSITIVE);
             o.iter().map(|o| 1.5 * d(o) / width).collect()
         }
         Operation::Cross => {

@@ -119,7 +119,7 @@ impl<'a> Generator<'a> {
 
     /// Scenes each mutation is applied to in the first pass.
     fn lanes_each(&self) -> usize {
-        (16_384 / self.mutations.len().max(1)).clamp(8, 32)
+        (8192 / self.mutations.len().max(1)).clamp(6, 24)
     }
 
     /// Chunks of mutations.
@@ -386,7 +386,10 @@ fn mutations(inputs: &[Input]) -> Vec<Mutation> {
         }
     }
     for cone in of(&|i| i.role.is_cone()) {
-        push(vec![Stand(Geometry::OnAxis), Set(cone, one)]);
+        // Rounding puts one in seven fragments of the axis inside such a cone.
+        for _ in 0..8 {
+            push(vec![Stand(Geometry::OnAxis), Set(cone, one)]);
+        }
         push(vec![Stand(Geometry::Ordinary), Set(cone, one)]);
         for narrow in 3..scene::CONES.len() {
             for geometry in [Geometry::InRamp, Geometry::OnAxis] {
@@ -411,6 +414,13 @@ fn mutations(inputs: &[Input]) -> Vec<Mutation> {
         push(vec![Scale(at, 1.0 + 1.0e-7)]);
         push(vec![Scale(at, 2.0e19)]);
         push(vec![Scale(at, 1.0e-21)]);
+    }
+    // Nothing, or far too much, of each input, before the pairs: those are many.
+    for at in of(&|i| i.is_number()) {
+        push(vec![Set(at, zero)]);
+    }
+    for at in of(&|i| i.is_number() || i.role.is_position()) {
+        push(vec![Set(at, 2.0e19f32.to_bits())]);
     }
     // Pairs of one shape: those of one kind before the others.
     let mut pairs: Vec<(usize, usize, bool)> = Vec::new();

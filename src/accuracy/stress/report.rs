@@ -171,8 +171,9 @@ pub(super) struct Made<'a> {
     pub seconds: f64,
 }
 
-/// Findings of one code that are written up; the others are only counted.
-const EACH: usize = 4;
+/// Findings of one code that are written up, of a known hazard and of plain arithmetic; the
+/// others are only counted.
+const EACH: [usize; 2] = [12, 3];
 
 pub(super) fn report(made: Made<'_>) -> Report {
     let Made { pure, inputs, plan, .. } = made;
@@ -187,7 +188,8 @@ pub(super) fn report(made: Made<'_>) -> Report {
     let mut more: Vec<(&'static str, usize)> = Vec::new();
     for raw in made.raws {
         let code = raw.candidate.hazard.code;
-        if findings.iter().filter(|f| f.hazard.code == code).count() >= EACH {
+        let most = EACH[usize::from(raw.candidate.hazard.id.is_empty())];
+        if findings.iter().filter(|f| f.hazard.code == code).count() >= most {
             match more.iter_mut().find(|(known, _)| *known == code) {
                 Some((_, count)) => *count += 1,
                 None => more.push((code, 1)),

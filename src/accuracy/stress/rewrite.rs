@@ -91,8 +91,10 @@ fn chord(step: &Step) -> Option<(f32, bool)> {
         })
         .sum();
     let chord = 0.5 * square;
-    // Of unit vectors, 1 - cos and the chord agree.
+    // Of unit vectors, 1 - cos and the chord agree; a vector that is given is one only as far as
+    // its bits allow, which the f64 takes at their word.
     let cosine = step.results.first()?.double;
-    let unit = ((1.0 - cosine) - f64::from(chord)).abs() < 1.0e-5;
-    unit.then_some((chord, cosine < 0.0))
+    let unit = ((1.0 - cosine) - f64::from(chord)).abs() < 1.0e-6;
+    let given = step.operands.iter().any(|o| matches!(o.source, Source::Input { .. }));
+    (unit && !given).then_some((chord, cosine < 0.0))
 }
