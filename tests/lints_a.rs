@@ -36,7 +36,7 @@ fn found(code: &str, files: &[(&str, &str)], settings: &Settings) -> Vec<Finding
     match lint(code).expect("there is such a lint").check {
         Check::Shader(check) => subjects.iter().flat_map(|s| check(s, settings)).collect(),
         Check::Tree(check) => check(&subjects, settings),
-        Check::Elsewhere => panic!("`{code}` is not asked by itself"),
+        Check::Hazard(_) | Check::Elsewhere => panic!("`{code}` is not asked by itself"),
     }
 }
 

@@ -18,6 +18,7 @@ pub mod explain;
 pub mod findings;
 pub mod hex;
 mod json;
+pub mod lights;
 mod listing;
 mod markdown;
 mod paint;

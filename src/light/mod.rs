@@ -4,9 +4,10 @@
 //! [`Frame`], the fragments of its picture, and the [`Upload`], its lights and materials as a
 //! shader gets them, in `f32`. A shader lights the fragments on some reader; the `reference`
 //! does it in `f64` from the same bits. Apart from scenes, [`roles`] says which structures of a
-//! shader are lights.
+//! shader are lights, and [`cost`] what they cost.
 
 pub mod bind;
+pub mod cost;
 pub mod frame;
 pub mod reference;
 pub mod render;
@@ -14,7 +15,7 @@ pub mod roles;
 pub mod sample;
 pub mod scene;
 pub mod upload;
-mod words;
+pub(crate) mod words;
 
 pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};
 pub use scene::Scene;

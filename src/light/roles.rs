@@ -1,15 +1,25 @@
 //! Which structures are lights, what kind, and which member plays which part.
 //!
 //! Guessed from names, types and nesting alone: no scene and no function is looked at.
-//! Reads [`shape`](crate::shape) and [`layout`](crate::layout); feeds the binding map,
+//! Reads [`shape`](crate::shape) and [`layout`](mod@crate::layout); feeds the binding map,
 //! [`cost`](super::cost), and the lints of lights.
+
+mod count;
+mod names;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 
+use self::count::{count_of, counts};
+use self::names::{is_about_something_else, is_light};
 use super::words::words;
 use crate::layout::{BlockLayout, MemberLayout};
-use crate::shape::{ArrayLen, ScalarKind, Struct, Type};
+use crate::shape::{ArrayLen, Struct, Type};
+
 use crate::source::Span;
+
+pub use names::role;
 
 /// What kind of light a structure holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,7 +32,7 @@ pub enum Kind {
     Point,
     /// Light from a point, inside a cone.
     Spot,
-    /// A member says at run time which.
+    /// A member says at run time which, or no name does.
     Tagged,
 }
 
@@ -220,6 +230,9 @@ impl Held<'_> {
     }
 }
 
+/// Lights of one shader at most; a text made to take long has more.
+const MOST_LIGHTS: usize = 256;
+
 /// A structure with more leaves is no light.
 const MOST_LEAVES: u64 = 200;
 
@@ -249,8 +262,10 @@ pub fn held(blocks: &[BlockLayout]) -> Vec<Held<'_>> {
             all.extend(whole_block(block).or_else(|| members_alone(block)));
         }
     }
+    all.truncate(MOST_LIGHTS);
+    let counts = counts(blocks);
     for light in &mut all {
-        light.count = count_of(light, blocks);
+        light.count = count_of(light, &counts);
     }
     all
 }
@@ -367,24 +382,24 @@ fn judge(name: &str, found: Found, span: Span, evidence: Evidence) -> Option<Rol
     if evidence != Evidence::Members && is_about_something_else(&said) {
         return None;
     }
-    let Found { mut parts, mut others, lights, .. } = found;
+    let Found { mut parts, mut others, .. } = found;
     agree_on_cones(&mut parts);
     agree_on_quadratic(&mut parts);
     keep_first(&mut parts, &mut others);
     let mut roles = Roles { name: Arc::from(name), kind: Kind::Tagged, parts, others, span };
     let placed = roles.any(|r| matches!(r, Role::Position | Role::Direction));
     let shines = roles.any(Role::is_emission);
-    let weakens = roles.any(|r| r.is_attenuation() || r.is_cone() || r == Role::Range);
+    let weakens = roles.any(|r| r.is_attenuation() || r.is_cone());
     let named = is_light(&said);
     let ambient = said.iter().any(|word| word == "ambient");
     let is_one = match evidence {
         Evidence::Structure => {
-            (named && (shines || placed) && (placed || shines || lights > 0))
+            (named && (shines || placed))
                 || (ambient && shines && !placed)
                 || (placed && shines && weakens)
         }
-        Evidence::Block => (named && shines && placed) || (ambient && shines && !placed),
-        Evidence::Members => placed || shines,
+        Evidence::Block => shines && if placed { named } else { ambient },
+        Evidence::Members => placed,
     };
     // A structure of scalars that only says how strong something is would be anything.
     let colour = roles
@@ -423,8 +438,6 @@ fn kind(said: &[String], roles: &Roles) -> Kind {
     } else if has(Role::Direction) {
         Kind::Directional
     } else if says(&["hemi", "hemisphere"]) {
-        Kind::Ambient
-    } else if roles.parts.iter().all(|p| p.role.is_emission()) {
         Kind::Ambient
     } else {
         Kind::Tagged
@@ -466,256 +479,4 @@ fn keep_first(parts: &mut Vec<Part>, others: &mut Vec<String>) {
         }
     }
     *parts = kept;
-}
-
-/// The role a member has by its name and type.
-pub fn role(name: &str, ty: &Type) -> Option<Role> {
-    let said = words(name);
-    let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
-    let elsewhere = ["view", "camera", "cam", "eye", "map", "matrix", "space", "texture", "uv"];
-    if says(&elsewhere) || says(&["shadow", "index", "pad", "padding", "bias"]) {
-        return None;
-    }
-    let term = || {
-        if says(&["ambient", "amb", "ka"]) {
-            Some(Role::Ambient)
-        } else if says(&["diffuse", "diff", "kd"]) {
-            Some(Role::Diffuse)
-        } else if says(&["specular", "spec", "ks"]) {
-            Some(Role::Specular)
-        } else {
-            None
-        }
-    };
-    match ty {
-        Type::Vector { scalar, rows } if scalar.kind == ScalarKind::Float && *rows >= 3 => {
-            if says(&["pos", "position", "positions", "location", "origin", "center", "centre"]) {
-                Some(Role::Position)
-            } else if says(&["dir", "dirs", "direction", "directions", "axis", "forward"]) {
-                Some(Role::Direction)
-            } else if says(&["attenuation", "atten", "att", "falloff"]) {
-                Some(Role::Attenuation)
-            } else if let Some(role) = term() {
-                Some(role)
-            } else if says(&["color", "colors", "colour", "colours", "col", "rgb", "tint"])
-                || says(&["radiance", "emission", "intensity", "la", "ld", "l"])
-            {
-                Some(Role::Color)
-            } else {
-                None
-            }
-        }
-        Type::Scalar(scalar) if scalar.kind == ScalarKind::Float => {
-            if says(&["range", "radius", "distance", "reach"]) {
-                Some(Role::Range)
-            } else if says(&["constant", "const", "kc"]) {
-                Some(Role::Constant)
-            } else if says(&["linear", "lin", "kl"]) {
-                Some(Role::Linear)
-            } else if says(&["quadratic", "quad", "kq"]) {
-                Some(Role::Quadratic)
-            } else if says(&["exponent", "exp"]) {
-                Some(Role::ConeExponent)
-            } else if says(&["outer", "umbra"]) {
-                Some(Role::OuterCone)
-            } else if says(&["inner", "penumbra"]) {
-                Some(Role::InnerCone)
-            } else if says(&["cutoff", "cone", "angle", "phi", "theta", "hotspot"]) {
-                Some(Role::Cone)
-            } else if let Some(role) = term() {
-                Some(role)
-            } else if says(&["intensity", "strength", "power", "energy", "brightness"])
-                || says(&["lumens", "lumen", "candela", "lux", "flux", "luminance"])
-            {
-                Some(Role::Intensity)
-            } else if says(&["type", "kind"]) {
-                Some(Role::Kind)
-            } else if says(&["enabled", "enable", "active", "on"]) {
-                Some(Role::Enabled)
-            } else {
-                None
-            }
-        }
-        Type::Scalar(_) => {
-            if says(&["type", "kind", "mode"]) {
-                Some(Role::Kind)
-            } else if says(&["enabled", "enable", "active", "on", "visible"]) {
-                Some(Role::Enabled)
-            } else {
-                None
-            }
-        }
-        Type::Vector { .. }
-        | Type::Atomic(_)
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Struct(_)
-        | Type::Array { .. } => None,
-    }
-}
-
-fn is_light(said: &[String]) -> bool {
-    let light = ["light", "lights", "lamp", "lamps", "sun", "spotlight", "sunlight", "flashlight"];
-    said.iter().any(|word| light.contains(&word.as_str()))
-}
-
-/// Whether a name speaks of light without being a light's.
-fn is_about_something_else(said: &[String]) -> bool {
-    let other = [
-        "material", "camera", "vertex", "probe", "grid", "cluster", "tile", "map", "shadow",
-        "shadows", "cascade", "volume", "surface", "ray", "hit", "result", "lighting",
-    ];
-    said.iter().any(|word| other.contains(&word.as_str()))
-}
-
-/// The whole number beside an array of lights, or in another block, that counts them.
-fn count_of<'a>(light: &Held<'a>, blocks: &'a [BlockLayout]) -> Option<Count<'a>> {
-    if light.dims.is_empty() {
-        return None;
-    }
-    let own = [light.roles.name.as_ref(), &light.path, light.block.name.as_ref()].map(words);
-    let kinds = ["point", "spot", "directional", "dir", "area"];
-    let mut best: Option<(u32, Count<'a>)> = None;
-    for block in blocks {
-        let beside = std::ptr::eq(block, light.block);
-        for member in block.members.iter().filter(|m| is_whole_number(m)) {
-            let said = words(&member.name);
-            if !says_count(&said) {
-                continue;
-            }
-            // `numSpotLights` does not count point lights.
-            let foreign = said.iter().filter(|w| kinds.contains(&w.as_str()));
-            if foreign.clone().any(|w| !own.iter().flatten().any(|o| same_word(o, w))) {
-                continue;
-            }
-            let is_light = is_light(&said);
-            let shared = said.iter().filter(|w| own.iter().flatten().any(|o| same_word(o, w)));
-            let shared = shared.count() as u32;
-            if !beside && !is_light && shared == 0 {
-                continue;
-            }
-            let score = 4 * u32::from(beside) + 2 * shared + u32::from(is_light);
-            if best.as_ref().is_none_or(|(known, _)| *known < score) {
-                best = Some((score, Count { block, member }));
-            }
-        }
-    }
-    best.map(|(_, count)| count)
-}
-
-fn is_whole_number(member: &MemberLayout) -> bool {
-    match &member.ty {
-        Type::Scalar(scalar) => matches!(scalar.kind, ScalarKind::Sint | ScalarKind::Uint),
-        Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Struct(_)
-        | Type::Array { .. } => false,
-    }
-}
-
-fn says_count(said: &[String]) -> bool {
-    let count = ["count", "num", "nr", "number", "amount", "used", "total", "length", "len", "n"];
-    said.iter().any(|word| count.contains(&word.as_str()))
-}
-
-/// The same word, in singular or plural.
-fn same_word(a: &str, b: &str) -> bool {
-    a.trim_end_matches('s') == b.trim_end_matches('s')
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Options, Source, layout};
-
-    /// Kind, path and parts of every light, as text.
-    fn lights(name: &str, text: &str) -> Vec<String> {
-        let shader = layout(&Source::new(name, text), &Options::default());
-        assert!(shader.diagnostics.is_empty(), "{:?}", shader.diagnostics);
-        let all = held(&shader.blocks);
-        let line = |light: &Held<'_>| {
-            let parts = light.roles.parts.iter().map(|p| format!("{}={}", p.path, p.role.name()));
-            let count = light.count.map(|c| format!(" count {}", c.member.name));
-            format!(
-                "{} {} {}: {}{}",
-                light.roles.kind.name(),
-                light.block.name,
-                light.path,
-                parts.collect::<Vec<_>>().join(" "),
-                count.unwrap_or_default(),
-            )
-        };
-        all.iter().map(line).collect()
-    }
-
-    #[test]
-    fn a_counted_array_of_point_lights() {
-        let text = "#version 330\nstruct PointLight { vec3 pos; vec3 color; float intensity; \
-                    float constant; float linear; float quadratic; };\n\
-                    layout(std140) uniform B { PointLight data[128]; int actually_used_count; } u;\n\
-                    void main() {}";
-        assert_eq!(
-            lights("a.frag", text),
-            ["point B data[]: pos=position color=color intensity=intensity constant=constant \
-              linear=linear quadratic=quadratic count actually_used_count"]
-        );
-    }
-
-    #[test]
-    fn a_light_in_a_light_lends_it_its_parts() {
-        let text = "#version 330\nstruct Attenuation { float constant; float linear; float exponent; };\n\
-                    struct PointLight { vec3 position; vec3 colour; float intensity; Attenuation att; };\n\
-                    struct SpotLight { PointLight pl; vec3 conedir; float cutoff; };\n\
-                    struct Material { vec4 ambient; vec4 diffuse; vec4 specular; float reflectance; };\n\
-                    uniform Material material;\nuniform SpotLight spotLights[5];\n\
-                    uniform int numPointLights;\nvoid main() {}";
-        let all = lights("a.frag", text);
-        assert_eq!(all.len(), 1, "{all:?}");
-        assert!(
-            all[0].starts_with("spot DefaultBlock spotLights[]:")
-                || all[0].contains("spotLights[]:")
-        );
-        for part in [
-            "pl.position=position",
-            "pl.att.exponent=quadratic",
-            "conedir=direction",
-            "cutoff=cone",
-        ] {
-            assert!(all[0].contains(part), "{part}: {}", all[0]);
-        }
-        assert!(!all[0].contains("count"), "counts another kind: {}", all[0]);
-    }
-
-    #[test]
-    fn an_inner_and_an_outer_cone() {
-        let text = "#version 330\nstruct SpotLight { vec3 position; vec3 direction; float cutOff; \
-                    float outerCutOff; vec3 ambient; vec3 diffuse; vec3 specular; };\n\
-                    uniform SpotLight spotLight;\nvoid main() {}";
-        let all = lights("a.frag", text);
-        assert!(all[0].contains("cutOff=inner_cone outerCutOff=outer_cone"), "{all:?}");
-    }
-
-    #[test]
-    fn a_block_whose_members_are_a_light_and_members_named_after_one() {
-        let block = "#version 330\nlayout(std140) uniform LightBlock { vec3 position; vec3 color; } light;\n\
-                     void main() {}";
-        assert_eq!(lights("a.frag", block), ["point LightBlock : position=position color=color"]);
-        let wgsl = "struct Sun { direction: vec3f, color: vec3f }\n@group(0) @binding(0) var<uniform> sun: Sun;\n";
-        assert_eq!(lights("a.wgsl", wgsl), ["directional Sun : direction=direction color=color"]);
-        let loose = "#version 330\nuniform vec3 lightPos;\nuniform vec3 lightColor;\nuniform vec3 viewPos;\nvoid main() {}";
-        let all = lights("a.frag", loose);
-        assert!(all[0].ends_with(": lightPos=position lightColor=color"), "{all:?}");
-    }
-
-    #[test]
-    fn materials_cameras_and_matrices_are_no_lights() {
-        let text = "#version 330\nstruct Material { vec3 ambient; vec3 diffuse; vec3 specular; float shininess; };\n\
-                    struct Particle { vec3 position; vec4 color; float radius_; };\n\
-                    layout(std140) uniform Camera { mat4 view; vec3 position; } camera;\n\
-                    layout(std140) uniform Shadow { mat4 lightSpaceMatrix; } shadow;\n\
-                    uniform Material material;\nvoid main() {}";
-        assert_eq!(lights("a.frag", text), Vec::<String>::new());
-    }
 }

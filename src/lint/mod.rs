@@ -18,6 +18,7 @@ mod buffer_too_small;
 mod define_changes_layout;
 pub mod driver_disagrees;
 mod glob;
+pub mod hazards;
 mod layout_drift;
 mod lock_missing;
 mod lock_orphan;
@@ -41,6 +42,8 @@ mod webgl2_size;
 
 use crate::source::Source;
 use crate::{Options, ShaderLayout};
+
+pub(crate) use reorder_saves::smaller_order;
 
 pub use finding::{Edit, Finding, Level, Place, Related};
 pub use settings::Settings;
@@ -83,6 +86,8 @@ pub enum Check {
     Shader(fn(&Subject<'_>, &Settings) -> Vec<Finding>),
     /// By looking at all shaders of a run.
     Tree(fn(&[Subject<'_>], &Settings) -> Vec<Finding>),
+    /// In one shader that has lights, with all others of this kind at once.
+    Hazard(crate::run::hazards::Kind),
     /// By comparing with a lock, or with what `verify` found.
     Elsewhere,
 }
@@ -100,18 +105,28 @@ pub struct Subject<'a> {
 
 /// Every lint, by code.
 pub const LINTS: &[&Lint] = &[
+    &hazards::ambient_per_light::LINT,
     &array_stride_waste::LINT,
+    &hazards::attenuation_division::LINT,
     &block_mismatch::LINT,
     &bool_in_block::LINT,
     &buffer_too_small::LINT,
+    &hazards::cone_division::LINT,
+    &hazards::cosine_cone::LINT,
     &define_changes_layout::LINT,
+    &hazards::degrees_for_cosine::LINT,
     &driver_disagrees::LINT,
+    &hazards::kahan_without_precise::LINT,
     &layout_drift::LINT,
     &lock_missing::LINT,
     &lock_orphan::LINT,
+    &hazards::loop_past_count::LINT,
     &mat3_padding::LINT,
+    &hazards::mediump_position::LINT,
     &naga_disagrees::LINT,
     &over_limit::LINT,
+    &hazards::pow_of_negative::LINT,
+    &hazards::pow_of_zero::LINT,
     &push_constant_limit::LINT,
     &reorder_saves::LINT,
     &rules_undeclared::LINT,
@@ -121,10 +136,16 @@ pub const LINTS: &[&Lint] = &[
     &rust_mirror::UNKNOWN,
     &scalar_after_vec3::LINT,
     &stale_comment::LINT,
+    &hazards::unclamped_count::LINT,
+    &hazards::ungated_specular::LINT,
+    &hazards::unguarded_normalize::LINT,
+    &hazards::uninitialised_accumulator::LINT,
+    &hazards::unnormalised_normal::LINT,
     &unused_allow::LINT,
     &unused_block::LINT,
     &unused_member::LINT,
     &vec3_array::LINT,
+    &hazards::vec4_normalise::LINT,
     &webgl2_size::LINT,
 ];
 

@@ -160,6 +160,21 @@ fn advice(members: &[Member], old: u64, new: u64, each: &str) -> String {
 /// Longer orders are cut short in messages.
 const MOST_NAMES: usize = 24;
 
+/// The names of a structure's members in an order that takes fewer bytes, and how many it takes
+/// then, from one to the next; `None` where there is none.
+pub(crate) fn smaller_order(
+    structure: &Arc<Struct>,
+    rules: Rules,
+    majorness: Majorness,
+) -> Option<(Vec<Arc<str>>, u64)> {
+    let one = Use { structure: structure.clone(), rules, majorness };
+    let order = order::smallest(&structure.members, rules, majorness)?;
+    let members = order::apply(&structure.members, &order);
+    let old = stride(&structure.members, &one)?;
+    let new = stride(&members, &one).filter(|&new| new < old)?;
+    Some((members.into_iter().map(|member| member.name).collect(), new))
+}
+
 /// From one structure of those members to the next, or to the member behind it.
 fn stride(members: &[Member], one: &Use) -> Option<u64> {
     let mut cursor = Cursor::new(one.rules);

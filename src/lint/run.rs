@@ -46,14 +46,17 @@ pub fn tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
 /// What lints find in one shader, allowed by comments or not.
 pub fn ask_shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut findings = Vec::new();
+    let mut hazards = Vec::new();
     for lint in LINTS {
         match lint.check {
             Check::Shader(check) if level(lint.code, settings) > Level::Allow => {
                 findings.extend(check(subject, settings));
             }
-            Check::Shader(_) | Check::Tree(_) | Check::Elsewhere => {}
+            Check::Hazard(kind) if level(lint.code, settings) > Level::Allow => hazards.push(kind),
+            Check::Shader(_) | Check::Hazard(_) | Check::Tree(_) | Check::Elsewhere => {}
         }
     }
+    findings.extend(super::hazards::findings(subject, &hazards));
     at_levels(findings, settings)
 }
 
@@ -65,7 +68,7 @@ pub fn ask_tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
             Check::Tree(check) if level(lint.code, settings) > Level::Allow => {
                 findings.extend(check(subjects, settings));
             }
-            Check::Shader(_) | Check::Tree(_) | Check::Elsewhere => {}
+            Check::Shader(_) | Check::Hazard(_) | Check::Tree(_) | Check::Elsewhere => {}
         }
     }
     at_levels(findings, settings)

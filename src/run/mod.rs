@@ -3,7 +3,8 @@
 //! [`module`] makes a shader runnable: naga IR whose offsets, strides and sizes
 //! are ours. [`reader`] says what it is to run one: a job in, words out. The
 //! readers are [`eval`], our own evaluator, and the drivers `gl` and `gpu`; `remote`
-//! runs a driver in a process of its own. [`accuracy`] is what they were measured at.
+//! runs a driver in a process of its own. [`accuracy`] is what they were measured at. [`hazards`]
+//! follows values through a module without running it.
 
 pub mod accuracy;
 pub mod bound;
@@ -17,6 +18,7 @@ pub mod gl;
 mod glsl;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod hazards;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 mod limits;
 pub mod module;

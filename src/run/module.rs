@@ -137,10 +137,19 @@ impl Module {
     /// # Errors
     /// What is wrong with the shader, or what in it cannot run, with its place.
     pub fn new(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| match source.language {
+        on_a_large_stack(|| Module::made(source, options)?.validated())
+    }
+
+    /// The same without asking naga's validator: for who only reads it.
+    pub(super) fn unchecked(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+        on_a_large_stack(|| Module::made(source, options))
+    }
+
+    fn made(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+        match source.language {
             Language::Glsl => {
                 let lowered = glsl::lower(source, options)?;
-                let module = Module {
+                Ok(Module {
                     info: ModuleInfo::default(),
                     ir: lowered.ir,
                     blocks: lowered.blocks,
@@ -151,11 +160,10 @@ impl Module {
                     inputs: lowered.inputs,
                     outputs: lowered.outputs,
                     left_out: lowered.left_out,
-                };
-                module.validated()
+                })
             }
-            Language::Wgsl => wgsl::patched(source, options)?.validated(),
-        })
+            Language::Wgsl => wgsl::patched(source, options),
+        }
     }
 
     /// The module as naga's own front end makes it, its offsets as naga has them: what a program
@@ -304,7 +312,7 @@ fn chain(error: &dyn std::error::Error) -> String {
 }
 
 /// Runs what recurses over a shader; a text that nests deeply does not end the program.
-fn on_a_large_stack<T: Send>(
+pub(super) fn on_a_large_stack<T: Send>(
     run: impl FnOnce() -> Result<T, Vec<Diagnostic>> + Send,
 ) -> Result<T, Vec<Diagnostic>> {
     std::thread::scope(|scope| {

@@ -28,7 +28,7 @@ fn asked(code: &str, settings: &Settings, shaders: &[(&str, &str)]) -> Vec<Findi
         .collect();
     match lint(code).expect("it is listed").check {
         Check::Tree(check) => check(&subjects, settings),
-        Check::Shader(_) | Check::Elsewhere => panic!("{code} looks at a tree"),
+        Check::Shader(_) | Check::Hazard(_) | Check::Elsewhere => panic!("{code} looks at a tree"),
     }
 }
 

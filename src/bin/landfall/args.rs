@@ -3,6 +3,7 @@
 mod check;
 mod codec;
 mod levels;
+mod lights;
 mod lock;
 mod render;
 mod run;
@@ -17,6 +18,7 @@ use landfall::{Language, Rules, Stage, Target, emit};
 
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 pub use render::{RenderArgs, RenderFormat, TransferName};
 pub use run::{RunArgs, RunFormat};
@@ -56,6 +58,8 @@ pub enum Command {
     Run(RunArgs),
     /// Light a scene in JSON by a shader and make a picture of it
     Render(Box<RenderArgs>),
+    /// Say what the lights of shaders cost, and where their code may leave the numbers
+    Lights(LightsArgs),
     /// List what can run a shader here, and how much it takes
     Devices(DevicesArgs),
     /// Write the lock of every shader: its layout, to be committed and compared with
@@ -291,6 +295,8 @@ pub enum Schema {
     Run,
     /// render --format json
     Render,
+    /// lights --format json
+    Lights,
     /// devices --format json
     Devices,
     /// Findings on stderr with --format json, one a line

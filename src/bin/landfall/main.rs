@@ -15,6 +15,7 @@ mod encode;
 mod explain;
 mod inputs;
 mod layout;
+mod lights;
 mod lock;
 mod merge;
 mod output;
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         Command::Verify(args) => verify::run(args, &streams),
         Command::Run(args) => run::run(args, &streams),
         Command::Render(args) => render::run(args, &streams),
+        Command::Lights(args) => lights::run(args, &streams),
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

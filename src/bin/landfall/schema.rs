@@ -13,6 +13,7 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Render => emit::render::RENDER_SCHEMA,
         Schema::Run => emit::run::RUN_SCHEMA,
         Schema::Verify => emit::verify::VERIFY_SCHEMA,
+        Schema::Lights => emit::lights::LIGHTS_SCHEMA,
         Schema::Devices => emit::DEVICES_SCHEMA,
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
         Schema::Lock => emit::LOCK_SCHEMA,

@@ -113,7 +113,7 @@ fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
 /// Whether a lint was asked, so that a comment that allows it can be told to be idle.
 fn is_asked(code: &str, basis: &Basis) -> bool {
     match lint(code).map(|lint| lint.check) {
-        Some(Check::Shader(_)) => true,
+        Some(Check::Shader(_) | Check::Hazard(_)) => true,
         // The other copy may be in a file that was not looked at.
         Some(Check::Tree(_)) => basis.whole,
         Some(Check::Elsewhere) => {

@@ -1,0 +1,138 @@
+//! `landfall lights`: what the lights of shaders cost, and where their code may leave the numbers.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use landfall::emit::lights as print;
+use landfall::light::cost::{Report, cost};
+use landfall::source::Files;
+use landfall::{Diagnostic, ShaderLayout, layout};
+
+use crate::args::{LightsArgs, LightsFormat};
+use crate::inputs::Inputs;
+use crate::layout::panicked;
+use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::read;
+
+pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let style = streams.style(match args.format {
+        LightsFormat::Human => FindingForm::Human,
+        LightsFormat::Json => FindingForm::Json,
+    });
+    let mut tally = Tally::default();
+    if args.format == LightsFormat::Json {
+        streams.product(&print::opening())?;
+    }
+    for input in Inputs::new(args.files.clone()) {
+        let read = input.and_then(|input| {
+            let source = read::source(&input.path, &args.read)?;
+            Ok((input.path, source))
+        });
+        let (path, source) = match read {
+            Ok(read) => read,
+            Err(error) => {
+                tally.failed(&[error.into()], &Files::default(), streams, style);
+                continue;
+            }
+        };
+        let options = read::options(&args.read);
+        let work = || {
+            let shader = layout(&source, &options);
+            // What cannot be laid out cannot be followed.
+            let report = (!shader.has_errors()).then(|| cost(&source, &options, &shader));
+            (shader, report)
+        };
+        let Ok((shader, report)) = catch_unwind(AssertUnwindSafe(work)) else {
+            tally.failed(&[panicked(&path)], &Files::default(), streams, style);
+            continue;
+        };
+        let Some(mut report) = report else {
+            tally.failed(&shader.diagnostics, &shader.files, streams, style);
+            continue;
+        };
+        let denied = args.deny.map(|sure| sure.certainty());
+        tally.denied |= denied.is_some_and(|d| report.hazards.iter().any(|h| h.certainty >= d));
+        report.hazards.retain(|hazard| hazard.certainty >= args.least.certainty());
+        tally.take(&shader, &report, args, streams)?;
+    }
+    match args.format {
+        LightsFormat::Json => streams.product(print::closing(tally.printed))?,
+        LightsFormat::Human => tally.end(streams)?,
+    }
+    Ok(tally.outcome())
+}
+
+/// What became of all shaders.
+#[derive(Default)]
+struct Tally {
+    shaders: usize,
+    printed: usize,
+    /// The one shader without lights, until it is known not to be the only one.
+    dark: Option<String>,
+    failed: bool,
+    denied: bool,
+}
+
+impl Tally {
+    fn failed(
+        &mut self,
+        found: &[Diagnostic],
+        files: &Files,
+        streams: &Streams,
+        style: FindingStyle,
+    ) {
+        self.failed = true;
+        streams.report(&style.text(found, files));
+    }
+
+    fn take(
+        &mut self,
+        shader: &ShaderLayout,
+        report: &Report,
+        args: &LightsArgs,
+        streams: &Streams,
+    ) -> Result<(), Failure> {
+        self.shaders += 1;
+        match args.format {
+            LightsFormat::Json => {
+                if self.printed > 0 {
+                    streams.product(",\n")?;
+                }
+                streams.product(&print::json(shader, report))?;
+            }
+            LightsFormat::Human => {
+                let text = print::human(shader, report, streams.paint);
+                // Of many files those without lights are only counted.
+                if report.lights.is_empty() && report.hazards.is_empty() {
+                    self.dark = Some(text);
+                    return Ok(());
+                }
+                if self.printed > 0 {
+                    streams.product("\n")?;
+                }
+                streams.product(&text)?;
+            }
+        }
+        self.printed += 1;
+        Ok(())
+    }
+
+    fn end(&mut self, streams: &Streams) -> Result<(), Failure> {
+        match (&self.dark, self.shaders) {
+            (Some(text), 1) => streams.product(text),
+            (_, 0 | 1) => Ok(()),
+            (_, shaders) => {
+                streams.finish()?;
+                streams.notes(&format!("{} of {shaders} shaders have lights\n", self.printed));
+                Ok(())
+            }
+        }
+    }
+
+    fn outcome(&self) -> Outcome {
+        match (self.failed, self.denied) {
+            (true, _) => Outcome::CouldNot,
+            (false, true) => Outcome::Findings,
+            (false, false) => Outcome::Clean,
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Branches, cases and loops: what variables hold where several ways meet.
+
+use naga::{Block, Expression, Handle};
+
+use super::facts::Facts;
+use super::graph::{Id, Op};
+use super::walk::{Flow, Frame, Walk};
+
+impl<'m> Walk<'m> {
+    pub fn branches(
+        &mut self,
+        frame: &mut Frame<'m>,
+        condition: Id,
+        accept: &'m Block,
+        reject: &'m Block,
+    ) -> Flow {
+        let mark = self.mark();
+        let before = self.cells.clone();
+        self.assume(condition, true);
+        let accepts = self.block(frame, accept);
+        let when_true = self.forget(mark);
+        let accepted = std::mem::replace(&mut self.cells, before);
+        self.assume(condition, false);
+        let rejects = self.block(frame, reject);
+        let when_false = self.forget(mark);
+        match (accepts, rejects) {
+            (Flow::Falls, Flow::Falls) => {
+                for (cell, &yes) in accepted.iter().enumerate() {
+                    let no = self.cells[cell];
+                    if yes == no {
+                        continue;
+                    }
+                    let facts = self.facts_with(yes, &when_true);
+                    let facts = facts.or(self.facts_with(no, &when_false));
+                    let chosen = self.graph.add(Op::Chosen, &[condition, yes, no]);
+                    self.settled.insert(chosen, facts);
+                    self.cells[cell] = chosen;
+                }
+                Flow::Falls
+            }
+            (Flow::Falls, _) => {
+                self.cells = accepted;
+                self.recall(&when_true);
+                Flow::Falls
+            }
+            (_, Flow::Falls) => {
+                self.recall(&when_false);
+                Flow::Falls
+            }
+            (Flow::Breaks, _) | (_, Flow::Breaks) => Flow::Breaks,
+            (Flow::Leaves, Flow::Leaves) => Flow::Leaves,
+        }
+    }
+
+    pub fn switch(&mut self, frame: &mut Frame<'m>, cases: &'m [naga::SwitchCase]) -> Flow {
+        let before = self.cells.clone();
+        let mut ends: Vec<Vec<Id>> = Vec::new();
+        let mut falls_on = false;
+        for case in cases {
+            if !falls_on {
+                self.cells = before.clone();
+            }
+            let flow = self.block(frame, &case.body);
+            falls_on = case.fall_through && flow == Flow::Falls;
+            if !falls_on && flow != Flow::Leaves {
+                ends.push(self.cells.clone());
+            }
+        }
+        if ends.is_empty() && !cases.is_empty() {
+            return Flow::Leaves;
+        }
+        self.cells = before;
+        self.join(&ends);
+        Flow::Falls
+    }
+
+    /// Gives every variable one of the values it has in those states.
+    fn join(&mut self, states: &[Vec<Id>]) {
+        for cell in 0..self.cells.len() {
+            let mut values: Vec<Id> =
+                states.iter().filter_map(|state| state.get(cell).copied()).collect();
+            values.dedup();
+            if !values.is_empty() {
+                self.cells[cell] = self.joined(&values);
+            }
+        }
+    }
+
+    pub fn run_loop(
+        &mut self,
+        frame: &mut Frame<'m>,
+        body: &'m Block,
+        continuing: &'m Block,
+        break_if: Option<Handle<Expression>>,
+    ) {
+        let before = self.cells.clone();
+        let outer = std::mem::take(&mut self.left);
+        // Once to see what it changes, once more with that unknown.
+        let (candidates, accesses, powers) =
+            (self.candidates.len(), self.accesses.len(), self.powers.len());
+        self.turn(frame, body, continuing, break_if);
+        self.candidates.truncate(candidates);
+        self.accesses.truncate(accesses);
+        self.powers.truncate(powers);
+        let after = std::mem::replace(&mut self.cells, before.clone());
+        let mut states = std::mem::take(&mut self.left);
+        states.push(after);
+        for (cell, &first) in before.iter().enumerate() {
+            let Some(changed) = states.iter().find_map(|s| Some(s[cell]).filter(|&v| v != first))
+            else {
+                continue;
+            };
+            let fresh = self.graph.next();
+            let looping = self.graph.add(Op::Looping(fresh), &[first]);
+            let mut facts = Facts::NOTHING;
+            if self.counts_up(first, changed) {
+                facts.low = self.facts(first).low;
+            }
+            self.settled.insert(looping, facts);
+            self.cells[cell] = looping;
+        }
+        let top = self.cells.clone();
+        self.turn(frame, body, continuing, break_if);
+        let mut states = std::mem::replace(&mut self.left, outer);
+        states.push(std::mem::replace(&mut self.cells, top.clone()));
+        states.push(top);
+        self.join(&states);
+    }
+
+    fn turn(
+        &mut self,
+        frame: &mut Frame<'m>,
+        body: &'m Block,
+        continuing: &'m Block,
+        break_if: Option<Handle<Expression>>,
+    ) {
+        self.block(frame, body);
+        self.block(frame, continuing);
+        if let Some(condition) = break_if {
+            self.value(frame, condition);
+        }
+    }
+
+    fn counts_up(&self, first: Id, after: Id) -> bool {
+        let sum = self.graph.binary(after, naga::BinaryOperator::Add);
+        sum.is_some_and(|(a, b)| {
+            let up = |id: Id| self.graph.value(id).is_some_and(|number| number > 0.0);
+            (a == first && up(b)) || (b == first && up(a))
+        })
+    }
+}
