@@ -1,7 +1,7 @@
 //! The binding map: which number of a scene goes to which member of a shader.
 //!
-//! [`guess`] finds it from the names, types and nesting of any shader with lights in its blocks,
-//! [`read`] lets a scene or a file say otherwise, [`fill`] writes an
+//! `guess` finds it from the names, types and nesting of any shader with lights in its blocks,
+//! `read` lets a scene or a file say otherwise, `fill` writes an
 //! [`Upload`](super::Upload) by it. Numbers have the names of [`quantity`]. Feeds
 //! [`render`](super::render).
 

@@ -134,9 +134,8 @@ fn reaches(module: &Module, entry: &EntryPoint) -> (bool, bool) {
                 match statement {
                     Statement::Kill => kills = true,
                     Statement::Call { function, .. } => {
-                        if !std::mem::replace(&mut seen[function.index()], true) {
-                            open.push(&ir.functions[*function]);
-                        }
+                        let known = std::mem::replace(&mut seen[function.index()], true);
+                        open.extend((!known).then(|| &ir.functions[*function]));
                     }
                     Statement::Block(inner) => blocks.push(inner),
                     Statement::If { accept, reject, .. } => blocks.extend([accept, reject]),
