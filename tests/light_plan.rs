@@ -433,6 +433,8 @@ fn nothing_to_light_and_nothing_to_light_with_are_plans_too() {
 }
 
 #[test]
+// One range of bytes is what is meant.
+#[allow(clippy::single_range_in_vec_init)]
 fn only_what_changed_is_uploaded_unless_all_is_cheaper() {
     let source = landfall::Source::new(
         "lights.frag",
