@@ -31,6 +31,9 @@ pub(super) struct Raw {
     pub plausible: bool,
 }
 
+/// A sample with how it was made and why it was kept.
+type Exemplar = ((u32, Why), Kept);
+
 /// What findings are told apart by.
 type Key = (&'static str, u32, u32);
 
@@ -137,14 +140,14 @@ fn bad(examined: &Examined, plan: &Plan) -> bool {
 }
 
 /// One of each kind in turn; of a kind, mutations before scenes before bits, the worse first.
-fn order(exemplars: Exemplars) -> Vec<((u32, Why), Kept)> {
-    let mut all: Vec<((u32, Why), Kept)> = exemplars.into_iter().collect();
+fn order(exemplars: Exemplars) -> Vec<Exemplar> {
+    let mut all: Vec<Exemplar> = exemplars.into_iter().collect();
     all.sort_by(|a, b| {
         let rank = |key: &(u32, Why)| key.0 >= 1 << 24;
         rank(&a.0).cmp(&rank(&b.0)).then(b.1.severity.total_cmp(&a.1.severity)).then(a.0.cmp(&b.0))
     });
     let mut turns: FxHashMap<Why, usize> = FxHashMap::default();
-    let mut numbered: Vec<(usize, ((u32, Why), Kept))> = all
+    let mut numbered: Vec<(usize, Exemplar)> = all
         .into_iter()
         .map(|one| {
             let turn = turns.entry((one.0).1).or_default();

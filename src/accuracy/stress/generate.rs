@@ -386,8 +386,8 @@ fn mutations(inputs: &[Input]) -> Vec<Mutation> {
         }
     }
     for cone in of(&|i| i.role.is_cone()) {
-        // Rounding puts one in seven fragments of the axis inside such a cone.
-        for _ in 0..8 {
+        // Rounding puts few fragments of the axis inside such a cone.
+        for _ in 0..48 {
             push(vec![Stand(Geometry::OnAxis), Set(cone, one)]);
         }
         push(vec![Stand(Geometry::Ordinary), Set(cone, one)]);
@@ -398,6 +398,12 @@ fn mutations(inputs: &[Input]) -> Vec<Mutation> {
         }
     }
     for shine in of(&|i| i.role == Role::Shininess) {
+        // Half of these cosines round past 1; of a dim light nothing is seen.
+        for large in [1.0e5f32, 1.0e6, 1.0e7] {
+            for _ in 0..12 {
+                push(vec![Stand(Geometry::Mirror), Set(shine, large.to_bits())]);
+            }
+        }
         for geometry in [Geometry::Behind, Geometry::Ordinary, Geometry::Mirror] {
             push(vec![Stand(geometry), Set(shine, zero)]);
             push(vec![Stand(geometry), Set(shine, 1.0e5f32.to_bits())]);

@@ -239,7 +239,7 @@ fn found(pure: &Pure, inputs: &[Input], plan: &Plan, source: &Source, raw: Raw) 
         &hazard::NORMAL_NOT_NORMALISED,
         &hazard::CONE_OUT_OF_RANGE,
     ];
-    let is_rule = semantic.contains(&&hazard);
+    let is_rule = semantic.contains(&hazard);
     let level = if raw.plausible { hazard.level } else { Level::Warn };
     let examined = examine(pure, inputs, &raw.sample, plan).ok();
     let gain = examined.as_ref().and_then(|examined| gain(pure, inputs, examined, &raw.candidate));

@@ -138,6 +138,7 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
     let distance = match setting.geometry {
         Geometry::Near => random.scale(1e-6, 1e-2),
         Geometry::Far => random.scale(1e2, 1e5),
+        Geometry::Mirror => random.scale(0.1, 3.0),
         _ => random.scale(0.1, 50.0),
     };
     let position = single(add(fragment, to_light, distance));

@@ -30,7 +30,7 @@ pub(super) fn findings(pure: &Pure, generator: &Generator<'_>, plan: &Plan, seed
     let check = Check { pure, generator, plan };
     let mut random = Random::new(seed, 1 << 40);
     let mut all = Vec::new();
-    all.extend(check.from_behind(&mut random));
+    all.extend(check.behind(&mut random));
     all.extend(check.normals(&mut random));
     all.extend(check.cones(&mut random));
     all
@@ -103,7 +103,7 @@ impl Check<'_> {
     }
 
     /// A light below the horizon should not have a highlight.
-    fn from_behind(&self, random: &mut Random) -> Option<Raw> {
+    fn behind(&self, random: &mut Random) -> Option<Raw> {
         for _ in 0..SCENES {
             let Some(sample) = self.scene(Geometry::Behind, random) else { continue };
             let Some(examined) = self.examine(&sample) else { continue };
