@@ -149,7 +149,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
             format!("{base} + x * {step}")
         };
         let components: Vec<String> = (0..floats.len()).map(component).collect();
-        let _ = write!(fields, "@location({location}) l{location}: {ty},\n");
+        let _ = writeln!(fields, "@location({location}) l{location}: {ty},");
         let _ = write!(values, ", {ty}({})", components.join(", "));
     }
     if fields.is_empty() {
