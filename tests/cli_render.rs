@@ -92,7 +92,9 @@ fn a_printed_binding_can_be_given_back() {
 fn the_reference_needs_no_shader_but_a_model() {
     let folder = folder("reference");
     let out = folder.join("truth.exr").display().to_string();
-    let arguments = ["render", SCENE, "--size", "40x30", "--reference", "-o", &out];
+    let scene = folder.join("scene.json").display().to_string();
+    std::fs::write(&scene, unnamed()).expect("it is written");
+    let arguments = ["render", &scene, "--size", "40x30", "--reference", "-o", &out];
     let without = landfall(&arguments);
     assert_eq!(without.status.code(), Some(2));
     assert!(text(&without.stderr).contains("--model multi"), "{}", text(&without.stderr));
@@ -104,10 +106,19 @@ fn the_reference_needs_no_shader_but_a_model() {
     assert_eq!(near.status.code(), Some(0), "{}", text(&near.stdout));
 }
 
+/// The scene without the shader and the model it names.
+fn unnamed() -> String {
+    let text = std::fs::read_to_string(SCENE).expect("it is there");
+    let lines = text.lines().filter(|line| {
+        !["shader", "model"].iter().any(|key| line.starts_with(&format!("  \"{key}\"")))
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
 #[test]
 fn a_scene_may_name_its_shader_beside_it() {
     let folder = folder("named");
-    let scene = std::fs::read_to_string(SCENE).expect("it is there");
+    let scene = unnamed();
     std::fs::copy(SHADER, folder.join("lit.frag")).expect("it is copied");
     let file = folder.join("scene.json").display().to_string();
     for (shader, code, said) in [
@@ -137,9 +148,11 @@ fn what_cannot_be_rendered_is_named() {
     let unlit = folder.join("unlit.frag").display().to_string();
     std::fs::write(&unlit, "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n")
         .expect("it is written");
+    let nobody = folder.join("nobody.json").display().to_string();
+    std::fs::write(&nobody, unnamed()).expect("it is written");
     let small = ["--size", "8x8"];
     for (arguments, messages) in [
-        (vec![SCENE], &["names no shader to light it", "--shader FILE"][..]),
+        (vec![nobody.as_str()], &["names no shader to light it", "--shader FILE"][..]),
         (vec![SCENE, "--shader", &unlit], &["no block or uniform of", "unlit.frag", "--bind"]),
         (
             vec![&bound, "--shader", SHADER],

@@ -142,3 +142,6 @@ fn fragment_main(in: Surface) -> @location(0) vec4f {
 
     return vec4f(ambient_color + total, 1.0);
 }
+
+// What is wrong here is wrong on purpose.
+// landfall: allow-file(unnormalised-normal)

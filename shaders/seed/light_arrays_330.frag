@@ -123,3 +123,7 @@ void main() {
 
     o_fragColor = vec4(ambient_color + total, 1.0);
 }
+
+// What is wrong here is wrong on purpose.
+// landfall: allow-file(unnormalised-normal)
+// landfall: allow-file(uninitialised-accumulator)

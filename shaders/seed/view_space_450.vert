@@ -31,3 +31,6 @@ void main()
     outNormal = normalize(transpose(inverse(modelViewMatrix)) * vec4(normal, 0.0)).xyz;
     outTextCoord = texCoord;
 }
+
+// What is wrong here is wrong on purpose.
+// landfall: allow-file(vec4-normalise)

@@ -305,6 +305,26 @@ fn against(pure: &Pure, other: &Pure, plan: &Plan, sample: &Sample) -> Against {
     Against { function: other.shown.clone(), outcome }
 }
 
+/// A value without the members that are zero; none where nothing is left.
+fn some(value: &serde_json::Value) -> Option<serde_json::Value> {
+    use serde_json::Value;
+    let kept = match value {
+        Value::Object(members) => {
+            let members =
+                members.iter().filter_map(|(key, value)| Some((key.clone(), some(value)?)));
+            let members: serde_json::Map<String, Value> = members.collect();
+            return (!members.is_empty()).then_some(Value::Object(members));
+        }
+        Value::Array(items) => items.iter().any(|item| some(item).is_some()),
+        // The zero below zero is another number.
+        Value::Number(number) => number.as_f64().is_none_or(|x| x.to_bits() != 0),
+        Value::Bool(set) => *set,
+        Value::Null => false,
+        Value::String(_) => true,
+    };
+    kept.then(|| value.clone())
+}
+
 /// A sample as people read it.
 fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
     let (arguments, data, given) = pure.json(sample);
@@ -328,10 +348,12 @@ fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
     if !arguments.is_empty() {
         line.extend(["--args".to_string(), serde_json::Value::from(arguments).to_string()]);
     }
-    if !data.is_empty() {
-        line.extend(["--data".to_string(), serde_json::Value::from(data).to_string()]);
+    // What is not given is zero.
+    let data = serde_json::Value::from(data);
+    if let Some(data) = some(&data) {
+        line.extend(["--data".to_string(), data.to_string()]);
     }
-    for (name, value) in given {
+    for (name, value) in given.into_iter().filter(|(_, value)| some(value).is_some()) {
         line.extend(["--input".to_string(), format!("{name}={value}")]);
     }
     let settings = settings(plan, false);

@@ -1,6 +1,6 @@
 //! What a render is made of: the scene and what it and the command line say of the shader.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use landfall::light::reference::Model;
 use landfall::light::render::{RenderError, RenderOptions, Renderer};
@@ -103,7 +103,20 @@ pub fn asked(
 }
 
 fn beside(scene: &Path, name: &str) -> PathBuf {
-    scene.parent().unwrap_or(Path::new("")).join(name)
+    let mut path = scene.parent().unwrap_or(Path::new("")).to_path_buf();
+    for part in Path::new(name).components() {
+        match part {
+            // `scenes/../lit.frag` is `lit.frag`, in messages too.
+            Component::ParentDir
+                if matches!(path.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                path.pop();
+            }
+            Component::CurDir => {}
+            part => path.push(part),
+        }
+    }
+    path
 }
 
 /// A model's name, or the object it is.

@@ -95,7 +95,7 @@ fn the_f64_beside_it_is_not_rounded() {
 #[test]
 fn six_lights_in_half_floats_are_off_by_steps() {
     let fragments = fragments(4000);
-    let module = six_lights("phong_450.frag", &super::permitted::SEED);
+    let module = six_lights("seed/six_lights_450.frag", &[]);
     let run = |precision, floats| {
         let settings = Settings { precision, ..single() };
         shade(&module, &fragments, &settings, floats).ports[0].1.doubles[0].clone()
