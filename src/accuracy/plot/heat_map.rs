@@ -37,7 +37,7 @@ pub enum Cell {
     Empty,
 }
 
-const WIDTH: f64 = 640.0;
+const WIDTH: f64 = 680.0;
 const HEIGHT: f64 = 480.0;
 const LEFT: f64 = 76.0;
 const TOP: f64 = 44.0;
