@@ -1,6 +1,6 @@
 //! Fast and accurate, measured: how wrong a shader's arithmetic gets, and what it costs.
 //!
-//! [`stress`] looks for the inputs at which a function breaks; [`bench`] measures variants on
+//! [`stress`] looks for the inputs at which a function breaks; [`bench`](mod@bench) measures variants on
 //! readers against the reference and ranks them; [`plot`] draws what was found. Everything here
 //! runs on [`run`](crate::run) and is printed by [`emit`](crate::emit).
 

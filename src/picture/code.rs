@@ -1,6 +1,6 @@
 //! Pictures as a screen gets them: 8 bits a channel.
 //!
-//! [`png`](super::png) writes and reads these; [`compare`](super::compare) counts their steps.
+//! [`png`](super::png) writes and reads these; [`compare`](mod@super::compare) counts their steps.
 
 use serde::{Deserialize, Serialize};
 

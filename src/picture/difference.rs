@@ -1,6 +1,6 @@
 //! Pictures of the difference of two pictures, to be looked at.
 //!
-//! Draws what [`compare`](super::compare) counts and the map of [`flip`](super::flip).
+//! Draws what [`compare`](mod@super::compare) counts and the map of [`flip`](super::flip).
 
 use super::Picture;
 use super::code::Transfer;

@@ -1,6 +1,6 @@
 //! A picture in floats: what a reader or the reference gave, to be written, compared, drawn.
 //!
-//! [`light`](crate::light) makes it. [`code`] rounds it to what a screen is given, [`compare`]
+//! [`light`](crate::light) makes it. [`code`] rounds it to what a screen is given, [`compare`](mod@compare)
 //! says how far two are apart, [`flip`] how visible that is, [`difference`] draws it; the files
 //! are [`png`], [`exr`] and [`pfm`], bytes in and bytes out.
 

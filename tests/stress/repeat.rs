@@ -1,5 +1,6 @@
 //! A finding can be had again: the same numbers for a seed, and the command it prints.
 
+#[cfg(feature = "cli")]
 use std::process::Command;
 
 use landfall::accuracy::stress::Outcome;

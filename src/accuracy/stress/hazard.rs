@@ -1,7 +1,7 @@
 //! The hazards that are known by name: what triggers them, and the form that does not break.
 //!
 //! Numbers are those of the table of lighting hazards; what has none is only arithmetic. Used by
-//! [`classify`](super::classify) and the report.
+//! `classify` and the report.
 
 use crate::lint::Level;
 

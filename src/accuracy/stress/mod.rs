@@ -1,7 +1,7 @@
 //! Where a shader function breaks, how wrong it gets, and why.
 //!
-//! [`Pure`](crate::run::call::pure::Pure) makes the function callable; [`generate`] makes inputs,
-//! [`sample`] runs them in `f32` and `f64`, [`classify`] names what they meet, [`find`] makes
+//! [`Pure`] makes the function callable; `generate` makes inputs,
+//! `sample` runs them in `f32` and `f64`, `classify` names what they meet, `find` makes
 //! findings of it. [`emit::stress`](crate::emit::stress) prints the [`Report`].
 
 mod blame;

@@ -1,6 +1,6 @@
 //! What an input is for, guessed from its name, its type and where it stands.
 //!
-//! Feeds the scenes of [`scene`](super::scene) and the words of [`classify`](super::classify).
+//! Feeds the scenes of `scene` and the words of `classify`.
 
 /// The part an input plays in lighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -2,8 +2,8 @@
 //!
 //! LDR-FLIP of Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A
 //! Difference Evaluator for Alternating Images" (HPG 2020), computed here from its formulas.
-//! [`color`] has its spaces and the distance of colours, [`filter`] what the eye blurs and the
-//! edges and points it sees. Given the codes a screen gets; [`compare`](super::compare) reports
+//! `color` has its spaces and the distance of colours, `filter` what the eye blurs and the
+//! edges and points it sees. Given the codes a screen gets; [`compare`](mod@super::compare) reports
 //! its mean and maximum, [`difference`](super::difference) draws it.
 
 mod color;
