@@ -3,6 +3,8 @@
 //! IEEE 754 binary16 and bfloat16 go through [`half`]; the two 8-bit formats are those of the
 //! OCP 8-bit floating point specification 1.0, §5.
 
+use std::cmp::Ordering;
+
 use crate::shape::{Scalar, ScalarKind};
 
 /// E4M3: bias 7, no infinity, and only the mantissa of all ones is a NaN.
@@ -15,12 +17,25 @@ const E5M2_MAX: u8 = 0x7b;
 pub(crate) fn narrow(scalar: Scalar, number: f64) -> u64 {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => number.to_bits(),
-        (ScalarKind::Float, 2) => half::f16::from_f64_const(number).to_bits().into(),
+        (ScalarKind::Float, 2) => half::f16::from_f32_const(odd(number)).to_bits().into(),
         (ScalarKind::Float, _) => (number as f32).to_bits().into(),
-        (ScalarKind::Bfloat, _) => half::bf16::from_f64_const(number).to_bits().into(),
+        (ScalarKind::Bfloat, _) => half::bf16::from_f32_const(odd(number)).to_bits().into(),
         (ScalarKind::FloatE5m2, _) => nearest(scalar, number, E5M2_MAX, 0x7c).into(),
         (ScalarKind::FloatE4m3, _) => nearest(scalar, number, E4M3_MAX, 0x7f).into(),
         (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => 0,
+    }
+}
+
+/// A number rounded to an `f32` with an odd last bit where it is none: what is rounded to fewer
+/// bits after that is rounded as if at once. `from_f64` of `half` 2.7.1 drops the lower 32 bits
+/// instead, and what lies just above the middle of two numbers goes to the wrong one.
+pub(crate) fn odd(number: f64) -> f32 {
+    let near = number as f32;
+    let bits = near.to_bits();
+    match f64::from(near).abs().total_cmp(&number.abs()) {
+        Ordering::Less => f32::from_bits(bits | 1),
+        Ordering::Greater if bits % 2 == 0 && !near.is_nan() => f32::from_bits(bits - 1),
+        Ordering::Equal | Ordering::Greater => near,
     }
 }
 
@@ -110,6 +125,19 @@ mod tests {
             assert_eq!(narrow(E5M2, number), bits);
             assert_eq!(widen(E5M2, bits), number);
         }
+    }
+
+    #[test]
+    fn what_lies_just_above_the_middle_goes_up() {
+        // The upper half of each interval begins 2^-40 above its middle, past the bits of an f32.
+        let above = 2f64.powi(-40);
+        assert_eq!(narrow(F16, 1.0 + 2f64.powi(-11) + above), 0x3c01);
+        assert_eq!(narrow(F16, -1.0 - 2f64.powi(-11) - above), 0xbc01);
+        assert_eq!(narrow(F16, 1.0 + 2f64.powi(-11) - above), 0x3c00);
+        assert_eq!(narrow(F16, 2f64.powi(-25) * (1.0 + above)), 1);
+        assert_eq!(narrow(BF16, 1.0 + 2f64.powi(-8) + above), 0x3f81);
+        assert_eq!(narrow(BF16, 1.0 + 2f64.powi(-8) - above), 0x3f80);
+        assert_eq!((odd(1e300), odd(f64::INFINITY)), (f32::MAX, f32::INFINITY));
     }
 
     #[test]

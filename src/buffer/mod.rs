@@ -31,7 +31,7 @@ mod decode;
 mod dirty;
 mod encode;
 mod error;
-mod float;
+pub(crate) mod float;
 mod grid;
 mod handle;
 mod index;

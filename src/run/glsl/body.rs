@@ -272,7 +272,7 @@ impl<'l, 'a> Body<'l, 'a> {
             Kind::Uint => Literal::U32(value as u32),
             Kind::Float => Literal::F32(value as f32),
             Kind::Double => Literal::F64(value),
-            Kind::Half => Literal::F16(half::f16::from_f64(value)),
+            Kind::Half => Literal::F16(half::f16::from_f32(crate::buffer::float::odd(value))),
             Kind::Short => Literal::I16(value as i16),
             Kind::Ushort => Literal::U16(value as u16),
             Kind::Long => Literal::I64(value as i64),
