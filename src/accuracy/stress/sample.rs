@@ -3,7 +3,8 @@
 //!
 //! Takes chunks of [`generate`](super::generate); feeds [`find`](super::find).
 
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use rustc_hash::FxHashMap;
@@ -148,7 +149,8 @@ pub(super) fn run(
     plan: &Plan,
     progress: Progress<'_>,
 ) -> Result<Sampled, Failure> {
-    let next = AtomicUsize::new(0);
+    // The next chunk, and the samples of those before it: the same for any number of threads.
+    let claimed = Mutex::new((0usize, 0u64));
     let done = AtomicU64::new(0);
     let stop = AtomicBool::new(false);
     let work = || -> Result<Sampled, Failure> {
@@ -159,14 +161,19 @@ pub(super) fn run(
                 mine.sampled.stopped |= done.load(Ordering::Relaxed) < plan.samples;
                 break;
             }
-            if done.load(Ordering::Relaxed) >= plan.samples {
-                break;
-            }
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            let chunk = generator.chunk(number);
+            let (number, chunk) = {
+                let mut claimed = claimed.lock().expect("making a chunk does not panic");
+                if claimed.1 >= plan.samples {
+                    break;
+                }
+                let chunk = generator.chunk(claimed.0);
+                let number = claimed.0;
+                // A domain may leave nothing of a family.
+                *claimed = (number + 1, claimed.1 + (chunk.samples.len() as u64).max(1));
+                (number, chunk)
+            };
             let lanes = chunk.samples.len() as u64;
             mine.run(number, &chunk)?;
-            // A domain may leave nothing of a family.
             let all = done.fetch_add(lanes.max(1), Ordering::Relaxed) + lanes;
             if !progress(all) {
                 stop.store(true, Ordering::Relaxed);

@@ -41,6 +41,12 @@ impl Costs {
     pub const DRIVER: Costs =
         Costs { evaluation: 8.0, draw: 1_000_000.0, light: 1_000.0, ..Costs::CPU };
 
+    /// The same where the shader finds its lights in lists: a region is an entry of a buffer, and
+    /// all of them are one draw.
+    pub fn by_lists(self) -> Costs {
+        Costs { draw: Costs::CPU.draw, light: Costs::CPU.light, ..self }
+    }
+
     /// Modelled nanoseconds of lighting a frame by a plan, with what making it took.
     pub fn of(&self, plan: &Plan, tests: u64, sorted: u64) -> f64 {
         let mut nanoseconds = self.evaluation * plan.evaluations() as f64

@@ -50,6 +50,9 @@ pub fn plan(args: &RenderArgs, asked: &Asked, made: &Made<'_>) -> Result<Option<
         ReaderName::Cpu => Costs::EVALUATOR,
         ReaderName::Gl | ReaderName::Gpu => Costs::DRIVER,
     };
+    if whole.asks_for_tiles() {
+        options.costs = options.costs.by_lists();
+    }
     let (model, _) = made.model.as_ref().ok_or_else(|| {
         Error::new("--skip", "needs a lighting model to bound lights by")
             .with_help("say `--model multi`, `array` or `view_space`")
