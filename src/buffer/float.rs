@@ -34,7 +34,7 @@ pub(crate) fn odd(number: f64) -> f32 {
     let bits = near.to_bits();
     match f64::from(near).abs().total_cmp(&number.abs()) {
         Ordering::Less => f32::from_bits(bits | 1),
-        Ordering::Greater if bits % 2 == 0 && !near.is_nan() => f32::from_bits(bits - 1),
+        Ordering::Greater if bits & 1 == 0 && !near.is_nan() => f32::from_bits(bits - 1),
         Ordering::Equal | Ordering::Greater => near,
     }
 }
