@@ -10,7 +10,7 @@ use super::report::Report;
 use super::role::Role;
 use super::sample::{Plan, columns, settings};
 use super::scene::{self, Geometry, Setting};
-use super::{Request, domain_of, finding};
+use super::{Request, finding};
 use crate::Options;
 use crate::accuracy::plot::{Axis, Cell, HeatMap, heat_map};
 use crate::run::call::Refusal;
@@ -50,7 +50,8 @@ pub fn error_map(
     let pure = Pure::new(source, options, &request.pure)?;
     let all = inputs(&pure);
     let refused = |found| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
-    let domain = domain_of(source, request, &pure, &all).map_err(&refused)?;
+    let domain = crate::accuracy::inputs::domain(source, &pure, &all, request.domain.as_ref())
+        .map_err(&refused)?;
     let paths: Vec<&String> = pure.parameters.iter().flat_map(|p| &p.scalars).collect();
     let scalar = |path: &str, about: &str| -> Result<usize, Box<Refusal>> {
         let found = paths.iter().position(|known| *known == path);

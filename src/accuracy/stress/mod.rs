@@ -7,22 +7,15 @@
 mod blame;
 mod classify;
 mod climb;
-mod comments;
 mod condition;
-pub mod domain;
 mod find;
 mod generate;
 pub mod hazard;
-mod input;
 mod map;
-mod measure;
 mod permitted;
-mod random;
 mod report;
 mod rewrite;
-pub mod role;
 mod sample;
-mod scene;
 mod semantic;
 mod shrink;
 pub mod words;
@@ -31,12 +24,15 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+pub use super::inputs::{Input, Sample, domain, role};
+use super::inputs::{input, random, scene};
+use super::measure;
+pub use super::measure::{Off, Outcome, Spread};
+
 pub use classify::Performed;
 pub use condition::Condition;
 pub use generate::Family;
-pub use input::{Input, Sample};
 pub use map::{MapRequest, error_map};
-pub use measure::{Off, Outcome, Spread};
 pub use permitted::Permitted;
 pub use report::{Against, Asked, Case, Found, Report, ResultScalar, Worst, command};
 pub use rewrite::Gain;
@@ -46,7 +42,6 @@ use crate::run::call::Refusal;
 use crate::run::call::pure::{Pure, PureRequest};
 use crate::source::Source;
 use crate::{Diagnostic, Options, Severity};
-use domain::Domain;
 use generate::Generator;
 use random::Random;
 use sample::Plan;
@@ -109,7 +104,8 @@ pub fn stress(
     let inputs = input::inputs(&pure);
     let refused =
         |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
-    let domain = domain_of(source, request, &pure, &inputs).map_err(&refused)?;
+    let domain = super::inputs::domain(source, &pure, &inputs, request.domain.as_ref())
+        .map_err(&refused)?;
     let against = match &request.against {
         Some((source, other)) => Some(Pure::new(source, options, other)?),
         None => None,
@@ -197,27 +193,6 @@ fn worst(
         all.extend(best);
     }
     all
-}
-
-fn domain_of(
-    source: &Source,
-    request: &Request,
-    pure: &Pure,
-    inputs: &[Input],
-) -> Result<Domain, Diagnostic> {
-    let mut domain = Domain::any(inputs);
-    let refuse = |code: &'static str, about: &str, refused: domain::Refused| {
-        finding(code, refused.message, refused.help, about)
-    };
-    let name = pure.shown.split('(').next().unwrap_or_default().to_string();
-    for file in pure.files.iter() {
-        comments::add(&mut domain, &file.text, &name, inputs)
-            .map_err(|r| refuse("bad-domain", &source.path, r))?;
-    }
-    if let Some(json) = &request.domain {
-        domain.add_json(json, inputs).map_err(|r| refuse("bad-domain", "--domain", r))?;
-    }
-    Ok(domain)
 }
 
 fn finding(code: &'static str, message: String, help: Option<String>, about: &str) -> Diagnostic {

@@ -1,11 +1,11 @@
-//! How far conformant devices may be apart at a sample: what tells an adapter that is wrong from
-//! code that any of them may get wrong.
+//! What is permitted at one sample, and whether it is as much as was seen there.
 //!
-//! Runs the sample with the bounds WGSL and Vulkan set to each operation. Feeds the report.
+//! Runs the sample by [`permitted`](crate::accuracy::permitted). Feeds the report.
 
 use super::input::Sample;
 use super::measure::floats;
 use super::sample::{Plan, columns, settings};
+use crate::accuracy::permitted::farthest;
 use crate::run::call::pure::Pure;
 use crate::run::eval::{Precision, Settings};
 
@@ -25,21 +25,16 @@ pub(super) fn permitted(pure: &Pure, sample: &Sample, plan: &Plan) -> Option<Per
     let both = pure.call(&columns, 1, &settings(plan, false)).ok()?;
     let around = Settings { precision: Precision::Permitted, ..settings(plan, false) };
     let called = pure.call(&columns, 1, &around).ok()?;
-    let mut scale = 1.0f64;
-    let mut far = 0.0f64;
-    let mut own = 0.0f64;
-    for (nth, at) in floats(pure) {
-        let truth = both.results[nth].doubles[at][0];
-        let single = f32::from_bits(both.results[nth].words[at][0] as u32);
-        let [low, high] = called.results[nth].permitted.as_ref()?.get(at)?[0];
-        scale = scale.max(truth.abs());
-        own = own.max((f64::from(single) - truth).abs());
-        let off = (truth - low).abs().max((high - truth).abs());
-        far = far.max(if off.is_nan() { f64::INFINITY } else { off });
-    }
+    let floats = floats(pure);
+    let truth: Vec<f64> =
+        floats.iter().map(|&(nth, at)| both.results[nth].doubles[at][0]).collect();
+    let single =
+        |&(nth, at): &(usize, usize)| f32::from_bits(both.results[nth].words[at][0] as u32);
+    let own = floats.iter().zip(&truth).map(|(at, truth)| (f64::from(single(at)) - truth).abs());
+    let own: Vec<f64> = own.collect();
+    let worst = own.iter().copied().fold(0.0, f64::max);
+    let most = farthest(&called, &floats, 0, &truth)?;
     // A branch that may go the other way may lead anywhere.
-    let unsure = called.called.unsure.first().copied().unwrap_or(false);
-    let steps = 255.0 * far / scale;
-    let any = unsure || own.is_nan() || far >= 0.5 * own;
-    Some(Permitted { steps, any })
+    let any = most.unsure || own.iter().any(|off| off.is_nan()) || most.far >= 0.5 * worst;
+    Some(Permitted { steps: most.steps, any })
 }

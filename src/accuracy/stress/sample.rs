@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use rustc_hash::FxHashMap;
 
+pub(super) use super::super::inputs::columns;
 use super::generate::{Chunk, Family, Generator, TAG_BITS};
 use super::input::Sample;
 use super::measure::{Outcome, Spread, floats, outcome};
@@ -372,10 +373,4 @@ pub(super) fn settings(plan: &Plan, watch: bool) -> Settings {
         threads: 1,
         ..Settings::default()
     }
-}
-
-/// Samples by scalar.
-pub(super) fn columns(samples: &[Sample]) -> Vec<Vec<u64>> {
-    let scalars = samples.first().map_or(0, Vec::len);
-    (0..scalars).map(|at| samples.iter().map(|sample| sample[at]).collect()).collect()
 }

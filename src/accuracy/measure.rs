@@ -2,7 +2,7 @@
 //! memory.
 //!
 //! Reads what [`Pure::call`](crate::run::call::pure::Pure::call) gives; feeds
-//! [`sample`](super::sample) and the report.
+//! [`stress`](super::stress) and [`bench`](mod@super::bench).
 
 use crate::run::call::pure::{Pure, PureCalled};
 use crate::shape::ScalarKind;
@@ -82,14 +82,18 @@ pub(super) fn outcome(called: &PureCalled, floats: &[(usize, usize)], lane: usiz
 /// How far finite numbers are apart; `scale` is the full scale, at least 1.
 pub(super) fn off(single: f32, double: f64, scale: f64) -> Off {
     let apart = (f64::from(single) - double).abs();
-    let magnitude = double.abs().max(f64::from(f32::MIN_POSITIVE));
-    let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
-    let place = f64::powi(2.0, exponent.min(127) - 23);
     Off {
-        ulp: apart / place,
+        ulp: apart / place(double),
         relative: apart / double.abs().max(scale / 1024.0),
         steps: 255.0 * apart / scale,
     }
+}
+
+/// The unit of the last place of the `f32` nearest to a number.
+pub(super) fn place(double: f64) -> f64 {
+    let magnitude = double.abs().max(f64::from(f32::MIN_POSITIVE));
+    let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
+    f64::powi(2.0, exponent.min(127) - 23)
 }
 
 /// Bins of a power of two.

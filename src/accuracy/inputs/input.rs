@@ -1,6 +1,6 @@
 //! The inputs of a function, flat: vectors and scalars with their paths and roles.
 //!
-//! Made of a [`Pure`]; the generators fill them, findings name them.
+//! Made of a [`Pure`]; samples are filled by them, findings name them.
 
 use super::role::{Role, role};
 use crate::run::call::pure::Pure;

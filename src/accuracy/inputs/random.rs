@@ -1,10 +1,10 @@
 //! Random numbers that are the same on every machine: splitmix64.
 //!
-//! Feeds the generators of [`stress`](super).
+//! Feeds the samples of [`stress`](crate::accuracy::stress) and [`bench`](mod@crate::accuracy::bench).
 
 /// A stream of random numbers.
 #[derive(Clone, Debug)]
-pub(super) struct Random {
+pub(in crate::accuracy) struct Random {
     state: u64,
 }
 

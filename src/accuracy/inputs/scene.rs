@@ -1,7 +1,7 @@
 //! Values like those of published scenes, by the role of each input: a light, a fragment before
 //! it, an eye, a cone, placed so that the interesting cases happen.
 //!
-//! Feeds [`generate`](super::generate).
+//! Feeds [`samples`](super::samples) and the generator of [`stress`](crate::accuracy::stress).
 
 use super::input::{Input, Sample};
 use super::random::Random;
@@ -10,7 +10,7 @@ use crate::shape::ScalarKind;
 
 /// How light, fragment and eye stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Geometry {
+pub(in crate::accuracy) enum Geometry {
     Ordinary,
     /// The fragment on the axis of the cone.
     OnAxis,
@@ -28,7 +28,7 @@ pub(super) enum Geometry {
     Grazing,
 }
 
-pub(super) const GEOMETRIES: [Geometry; 9] = [
+pub(in crate::accuracy) const GEOMETRIES: [Geometry; 9] = [
     Geometry::Ordinary,
     Geometry::OnAxis,
     Geometry::InRamp,
@@ -41,11 +41,11 @@ pub(super) const GEOMETRIES: [Geometry; 9] = [
 ];
 
 /// Half angles of inner and outer cone, in degrees.
-pub(super) const CONES: [(f64, f64); 6] =
+pub(in crate::accuracy) const CONES: [(f64, f64); 6] =
     [(12.5, 17.5), (12.5, 15.0), (30.0, 60.0), (0.5, 1.0), (0.1, 0.2), (0.05, 0.06)];
 
 /// Exponents of highlights.
-pub(super) const SHINES: [f32; 10] =
+pub(in crate::accuracy) const SHINES: [f32; 10] =
     [32.0, 1.0, 10.0, 64.0, 256.0, 1024.0, 4096.0, 65536.0, 1.0e6, 1.0e7];
 
 /// Constant, linear and quadratic of Ogre's table; the last is a light without a constant.
@@ -94,7 +94,7 @@ fn turned(a: V, angle: f64, random: &mut Random) -> V {
 
 /// What is chosen of a scene before its values are.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Setting {
+pub(in crate::accuracy) struct Setting {
     pub geometry: Geometry,
     pub cone: usize,
     pub shine: usize,
@@ -162,7 +162,7 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
 }
 
 /// A sample of those inputs as a scene has them; the light of one owner is as the setting says.
-pub(super) fn sample(inputs: &[Input], setting: Setting, random: &mut Random) -> Sample {
+pub(in crate::accuracy) fn sample(inputs: &[Input], setting: Setting, random: &mut Random) -> Sample {
     let scalars = inputs.last().map_or(0, |input| input.first + input.len);
     let mut to = vec![0u64; scalars];
     let fragment = single([0; 3].map(|_| random.between(-5.0, 5.0)));

@@ -1,6 +1,6 @@
 //! Which inputs a function is meant for: from JSON by path, and from comments in the shader.
 //!
-//! Made by whoever calls [`stress`](super::stress()); every sample is fitted into it.
+//! Made by [`domain`](super::domain()) of what is asked; every sample is fitted into it.
 
 use serde_json::Value;
 
@@ -189,7 +189,7 @@ impl Domain {
     }
 
     /// Moves a sample into the domain; false where that cannot be done.
-    pub(super) fn fit(&self, sample: &mut [u64], inputs: &[Input], random: &mut Random) -> bool {
+    pub(in crate::accuracy) fn fit(&self, sample: &mut [u64], inputs: &[Input], random: &mut Random) -> bool {
         for (within, input) in self.within.iter().zip(inputs) {
             if *within == Within::Any {
                 continue;
@@ -337,7 +337,7 @@ fn read(path: &str, value: &Value) -> Result<Within, Refused> {
 }
 
 /// A range that has something in it.
-pub(super) fn range(path: &str, low: f64, high: f64) -> Result<Within, Refused> {
+pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<Within, Refused> {
     if low > high {
         let message = format!("`{path}`: the range from {low} to {high} is inverted");
         return Err(refused(message, format!("write `[{high}, {low}]`")));

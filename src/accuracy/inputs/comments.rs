@@ -15,7 +15,7 @@ type Said = FxHashMap<(String, String), Within>;
 ///
 /// # Errors
 /// A range that is empty or inverted.
-pub(super) fn add(
+pub(in crate::accuracy) fn add(
     domain: &mut Domain,
     text: &str,
     function: &str,
