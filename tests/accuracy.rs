@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use landfall::accuracy::bench::clock::Clock;
+use landfall::accuracy::bench::clock::{Clock, Took};
 use landfall::accuracy::bench::rank::{better, dominated};
 use landfall::accuracy::bench::{
     Bench, BenchRow, Errors, Failed, Machine, Part, Rounds, Runner, Samples, Size, Spread, Work,
@@ -27,13 +27,14 @@ impl Workload for Scripted {
         self.parts.contains(&part)
     }
 
-    fn run(&mut self, part: Part) -> Result<Option<Duration>, String> {
+    fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
         self.calls.borrow_mut().push((self.name, part));
         self.called += 1;
         if self.fails_at == Some(self.called) {
             return Err("lost its device".to_string());
         }
-        Ok(Some(Duration::from_nanos(self.times[(self.called - 1) % self.times.len()])))
+        let time = Duration::from_nanos(self.times[(self.called - 1) % self.times.len()]);
+        Ok(Some(Took { time, clock: Clock::Device }))
     }
 }
 

@@ -290,6 +290,7 @@ fn script(text: &str) -> Launch {
         arguments: vec!["-c".into(), text.into()],
         environment: Vec::new(),
         opening: Duration::from_secs(20),
+        timed: false,
     }
 }
 

@@ -11,7 +11,7 @@ use super::SCHEMA_VERSION;
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use super::words;
-use crate::accuracy::bench::{Bench, BenchRow, Machine, Runner, Spread};
+use crate::accuracy::bench::{Bench, BenchRow, Machine, Permitted, Runner, Spread, Unit};
 
 /// The JSON Schema of [`json`].
 pub const BENCH_SCHEMA: &str = include_str!("schema/bench.json");
@@ -20,15 +20,17 @@ pub const BENCH_SCHEMA: &str = include_str!("schema/bench.json");
 pub const HEADER: &str = "variant,reader,device,clock,\
 ns_per_light,ns_per_light_lower,ns_per_light_upper,ns_per_light_min,\
 ns_per_fragment,ns_per_fragment_lower,ns_per_fragment_upper,ns_per_fragment_min,rounds,\
-err_max_steps,err_p999_steps,flips,channels,err_max_code,non_finite,undefined,\
-evaluations,powers,operations,bytes,dominated_by\n";
+err_max_steps,err_p999_steps,err_max_ulp,err_p999_ulp,\
+permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
+flips,channels,err_max_code,differing,non_finite,undefined,\
+evaluations,slots,powers,operations,bytes,dominated_by\n";
 
 /// A table for each runner.
 pub fn text(bench: &Bench, paint: Paint) -> String {
     let mut text = String::new();
-    let Bench { subject, truth, fragments, lights, machine, rows, failed } = bench;
-    let _ =
-        write!(text, "{}  {} fragments", paint.text(STRONG, subject), words::number(*fragments));
+    let Bench { subject, truth, unit, fragments, lights, machine, rows, failed } = bench;
+    let (subject, number) = (paint.text(STRONG, subject), words::number(*fragments));
+    let _ = write!(text, "{subject}  {number} {}s", unit.name());
     if *lights > 0 {
         let _ = write!(text, ", {lights} lights");
     }
@@ -49,7 +51,7 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
             paint.text(PLAIN, &format!("{}; {} time", runner.device, runner.clock.name()))
         );
         let rows: Vec<&BenchRow> = rows.iter().filter(|row| row.runner == *runner).collect();
-        table(&rows, paint, &mut text);
+        table(&rows, *unit, paint, &mut text);
     }
     for failed in failed {
         let said = format!("{} on {}: {}", failed.variant, failed.reader, failed.reason);
@@ -80,25 +82,48 @@ struct Column {
     cells: Vec<String>,
 }
 
-fn table(rows: &[&BenchRow], paint: Paint, text: &mut String) {
+fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
     let column = |heading, of: &dyn Fn(&BenchRow) -> String| Column {
         heading,
         cells: rows.iter().map(|row| of(row)).collect(),
     };
     let optional = |value: Option<f64>| value.map(words::figure).unwrap_or_default();
     let subtracted = rows.iter().any(|row| row.subtracted);
+    let time = match (unit, subtracted) {
+        (Unit::Fragment, true) => "ns/fragment net",
+        (Unit::Fragment, false) => "ns/fragment",
+        (Unit::Call, true) => "ns/call net",
+        (Unit::Call, false) => "ns/call",
+    };
+    let permitted = |row: &BenchRow, of: fn(&Permitted) -> Option<f64>| {
+        row.permitted.map_or_else(String::new, |permitted| {
+            of(&permitted).map_or_else(|| "any".to_string(), words::figure)
+        })
+    };
+    let unsure = |permitted: Permitted| match permitted.unsure {
+        0 => "0 %".to_string(),
+        n => format!("{} %", words::figure(100.0 * n as f64 / permitted.samples.max(1) as f64)),
+    };
     let columns = [
         column("variant", &|row| row.variant.clone()),
         column("ns/light", &|row| row.light.as_ref().map(spread).unwrap_or_default()),
-        column(if subtracted { "ns/fragment net" } else { "ns/fragment" }, &|row| {
-            spread(&row.fragment)
-        }),
+        column(time, &|row| spread(&row.fragment)),
+        column("max ulp", &|row| optional(row.errors.max_ulp)),
+        column("99.9 % ulp", &|row| optional(row.errors.p999_ulp)),
         column("max step", &|row| words::figure(row.errors.max_steps)),
-        column("99.9 %", &|row| words::figure(row.errors.p999_steps)),
-        column("flips", &|row| format!("{} %", words::figure(100.0 * row.errors.flip_share()))),
+        column("99.9 % step", &|row| words::figure(row.errors.p999_steps)),
+        column("permitted", &|row| permitted(row, |permitted| permitted.max_steps)),
+        column("99.9 %", &|row| permitted(row, |permitted| permitted.p999_steps)),
+        column("unsure", &|row| row.permitted.map(unsure).unwrap_or_default()),
+        column("flips", &|row| {
+            let share = row.errors.flip_share();
+            share.map_or_else(String::new, |share| format!("{} %", words::figure(100.0 * share)))
+        }),
+        column("others", &|row| row.errors.differing.map(words::number).unwrap_or_default()),
         column("no number", &|row| words::number(row.errors.non_finite)),
         column("undefined", &|row| words::number(row.errors.undefined)),
         column("lights", &|row| optional(row.work.evaluations)),
+        column("slots", &|row| optional(row.work.slots)),
         column("powers", &|row| optional(row.work.powers)),
         column("operations", &|row| optional(row.work.operations)),
         column("bytes", &|row| row.work.bytes.map(words::number).unwrap_or_default()),
@@ -147,13 +172,19 @@ fn spread(spread: &Spread) -> String {
 pub fn csv(bench: &Bench) -> String {
     let mut text = HEADER.to_string();
     for row in &bench.rows {
-        let BenchRow { variant, runner, light, fragment, errors, work, dominated_by, .. } = row;
+        let BenchRow { variant, runner, light, fragment, .. } = row;
+        let BenchRow { errors, permitted, work, dominated_by, .. } = row;
         let four = |spread: Option<&Spread>| -> [String; 4] {
             spread.map_or_else(Default::default, |s| {
                 [s.median, s.lower, s.upper, s.min].map(|number| number.to_string())
             })
         };
         let optional = |number: Option<f64>| number.map_or(String::new(), |n| n.to_string());
+        let whole = |number: Option<u64>| number.map_or(String::new(), |n| n.to_string());
+        // Of what may be anything, a number that every reader of tables knows.
+        let steps = |of: fn(&Permitted) -> Option<f64>| {
+            optional(permitted.map(|permitted| of(&permitted).unwrap_or(f64::INFINITY)))
+        };
         let mut cells = vec![
             variant.clone(),
             runner.reader.clone(),
@@ -166,15 +197,23 @@ pub fn csv(bench: &Bench) -> String {
             fragment.rounds.to_string(),
             errors.max_steps.to_string(),
             errors.p999_steps.to_string(),
-            errors.flips.to_string(),
+            optional(errors.max_ulp),
+            optional(errors.p999_ulp),
+            steps(|permitted| permitted.max_steps),
+            steps(|permitted| permitted.p999_steps),
+            whole(permitted.map(|permitted| permitted.unsure)),
+            whole(permitted.map(|permitted| permitted.samples)),
+            whole(errors.flips),
             errors.channels.to_string(),
-            errors.max_code.to_string(),
+            whole(errors.max_code.map(u64::from)),
+            whole(errors.differing),
             errors.non_finite.to_string(),
             errors.undefined.to_string(),
             optional(work.evaluations),
+            optional(work.slots),
             optional(work.powers),
             optional(work.operations),
-            work.bytes.map_or(String::new(), |n| n.to_string()),
+            whole(work.bytes),
             dominated_by.join(" "),
         ]);
         let cells: Vec<String> = cells.iter().map(|cell| quoted(cell)).collect();

@@ -23,6 +23,7 @@ pub mod hazards;
 mod limits;
 pub mod module;
 pub mod probe;
+pub mod processor;
 pub mod reader;
 pub mod reflection;
 #[cfg(any(feature = "gl", feature = "gpu"))]

@@ -229,6 +229,12 @@ pub trait Reader {
         None
     }
 
+    /// How long processors worked at the last job where that was in another process; `None` of
+    /// what runs in this one, whose clock has it.
+    fn processor_time(&self) -> Option<Duration> {
+        None
+    }
+
     /// What its compiler says of texts as they are, within that time; `None` where it has none.
     fn reflect(
         &mut self,

@@ -6,11 +6,10 @@
 
 use std::hint::black_box;
 use std::process::{Child, Command, ExitCode};
-use std::time::Duration;
 
-use landfall::accuracy::bench::clock::Clock;
+use landfall::accuracy::bench::clock::{Clock, Took};
 use landfall::accuracy::bench::{
-    Bench, BenchRow, Errors, Machine, Part, Rounds, Runner, Size, Work, Workload, measure,
+    Bench, BenchRow, Errors, Machine, Part, Rounds, Runner, Size, Unit, Work, Workload, measure,
 };
 use landfall::emit::Paint;
 use landfall::emit::bench::text;
@@ -30,7 +29,7 @@ impl Workload for Multiply {
         part == Part::Whole
     }
 
-    fn run(&mut self, _part: Part) -> Result<Option<Duration>, String> {
+    fn run(&mut self, _part: Part) -> Result<Option<Took>, String> {
         let mut product = 1.000_001f64;
         for _ in 0..self.0 {
             product = black_box(product * 1.000_000_1);
@@ -81,6 +80,7 @@ fn bench(subject: &str) -> Bench {
     let bench = Bench {
         subject: subject.to_string(),
         truth: "what is known of them".to_string(),
+        unit: Unit::Fragment,
         fragments: 1000,
         lights: 0,
         rows: rows.collect(),

@@ -1,19 +1,24 @@
 //! What time is: of the processor where it computes, of the device where that does.
 //!
-//! For [`rounds`](super::measure).
+//! For [`rounds`](super::measure) and the workloads that readers run.
 
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+use crate::run::processor;
+use crate::run::reader::Reader;
+
 /// What was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Clock {
-    /// Time on a processor of all threads of this process, those that ended too
-    /// (`CLOCK_PROCESS_CPUTIME_ID`): another program's work does not count.
+    /// Time on a processor of all threads of the process that works, those that ended too
+    /// (`CLOCK_PROCESS_CPUTIME_ID`): another program's work does not count. Of a driver in a
+    /// process of its own, that process's time at its jobs.
     Processor,
-    /// Time that passed, where the system has no such clock.
+    /// Time that passed, where the system has no such clock, or the work is a device's that has
+    /// no timestamps.
     Elapsed,
     /// Between two timestamps of the device.
     Device,
@@ -30,6 +35,40 @@ impl Clock {
     }
 }
 
+/// How long something took, and by which clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Took {
+    /// How long.
+    pub time: Duration,
+    /// What measured it.
+    pub clock: Clock,
+}
+
+/// How long a reader worked at the last job, which began then and has just ended; none where it
+/// worked in this process, whose own clock says it.
+///
+/// A device that computes on a processor is not asked for timestamps: the processor's time says
+/// more.
+pub fn took(reader: &dyn Reader, began: Instant) -> Option<Took> {
+    if reader.device().software {
+        return reader.processor_time().map(|time| Took { time, clock: Clock::Processor });
+    }
+    Some(match reader.device_time() {
+        Some(time) => Took { time, clock: Clock::Device },
+        None => Took { time: began.elapsed(), clock: Clock::Elapsed },
+    })
+}
+
+/// Times of one after the other; none as soon as one is none, or of another clock.
+pub fn sum(all: impl IntoIterator<Item = Option<Took>>) -> Option<Took> {
+    let mut all = all.into_iter();
+    let first = all.next()??;
+    all.try_fold(first, |sum, one| {
+        let one = one.filter(|one| one.clock == sum.clock)?;
+        Some(Took { time: sum.time + one.time, ..sum })
+    })
+}
+
 /// A time to count from, by the best clock of this system.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
@@ -40,28 +79,31 @@ pub struct Start {
 impl Start {
     /// Now.
     pub fn now() -> Start {
-        Start { elapsed: Instant::now(), processor: processor() }
+        Start { elapsed: Instant::now(), processor: processor::time() }
     }
 
     /// What has been used since, and by which clock.
-    pub fn passed(&self) -> (Duration, Clock) {
-        match (self.processor, processor()) {
-            (Some(before), Some(now)) => (now.saturating_sub(before), Clock::Processor),
-            _ => (self.elapsed.elapsed(), Clock::Elapsed),
+    pub fn passed(&self) -> Took {
+        match (self.processor, processor::time()) {
+            (Some(before), Some(now)) => {
+                Took { time: now.saturating_sub(before), clock: Clock::Processor }
+            }
+            _ => Took { time: self.elapsed.elapsed(), clock: Clock::Elapsed },
         }
     }
 }
 
-/// Time on a processor of all threads of this process, where the system tells it.
-#[cfg(all(unix, feature = "cli"))]
-pub fn processor() -> Option<Duration> {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    let seconds = u64::try_from(time.tv_sec).ok()?;
-    Some(Duration::new(seconds, u32::try_from(time.tv_nsec).ok()?))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Time on a processor of all threads of this process, where the system tells it.
-#[cfg(not(all(unix, feature = "cli")))]
-pub fn processor() -> Option<Duration> {
-    None
+    #[test]
+    fn times_of_one_clock_add_up_and_others_do_not() {
+        let took = |millis, clock| Some(Took { time: Duration::from_millis(millis), clock });
+        let both = [took(2, Clock::Device), took(3, Clock::Device)];
+        assert_eq!(sum(both), took(5, Clock::Device));
+        assert_eq!(sum([took(2, Clock::Device), took(3, Clock::Elapsed)]), None);
+        assert_eq!(sum([took(2, Clock::Device), None]), None);
+        assert_eq!(sum([]), None);
+    }
 }

@@ -2,10 +2,9 @@
 //! [`light::compiled`](crate::light::compiled) on one thread.
 
 use std::hint::black_box;
-use std::time::Duration;
-
 use glam::Vec3;
 
+use super::clock::Took;
 use super::errors::Errors;
 use super::report::Work;
 use super::rounds::{Part, Workload};
@@ -51,6 +50,7 @@ impl<'a> Compiled<'a> {
         let fragments = colors.len().max(1) as f64;
         let work = Work {
             evaluations: Some(tally.evaluations as f64 / fragments),
+            slots: None,
             powers: Some(tally.powers as f64 / fragments),
             operations: None,
             bytes: None,
@@ -76,7 +76,7 @@ impl Workload for Compiled<'_> {
         }
     }
 
-    fn run(&mut self, part: Part) -> Result<Option<Duration>, String> {
+    fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
         match part {
             Part::Whole => drop(black_box(self.shade::<()>(black_box(&self.lights)))),
             Part::Unlit => {

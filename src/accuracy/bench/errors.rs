@@ -2,40 +2,44 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::accuracy::measure::off;
 use crate::picture::Transfer;
 use crate::picture::code::code;
 
-/// How far the colours of fragments are from the reference. A step is 1/255.
+/// How far the colours of fragments, or the results of calls, are from the truth. A step is 1/255
+/// of full scale.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
-    /// The largest difference of linear values in steps, not clamped; of no colours it is 0.
+    /// The largest difference of linear values in steps, not clamped; of no colours it is 0. Of
+    /// results larger than 1, the largest of one call is the full scale.
     pub max_steps: f64,
     /// What 99.9 % of the channels do not exceed.
     pub p999_steps: f64,
-    /// Channels compared.
+    /// Of results: the largest difference in units of the last place of an `f32`.
+    pub max_ulp: Option<f64>,
+    /// What 99.9 % of the results do not exceed.
+    pub p999_ulp: Option<f64>,
+    /// Channels, or floats of results, compared.
     pub channels: u64,
-    /// Channels whose 8-bit sRGB code is another.
-    pub flips: u64,
-    /// The largest difference of codes.
-    pub max_code: u8,
-    /// Fragments with a channel that is NaN or infinite where the reference is not.
+    /// Of colours: channels whose 8-bit sRGB code is another.
+    pub flips: Option<u64>,
+    /// Of colours: the largest difference of codes.
+    pub max_code: Option<u8>,
+    /// Of results that have whole numbers or truths: calls of which one is another.
+    pub differing: Option<u64>,
+    /// Fragments, or calls, with a channel that is NaN or infinite where the reference is not.
     pub non_finite: u64,
-    /// Fragments left out because the reference is undefined there.
+    /// Fragments, or calls, left out because the reference is undefined there.
     pub undefined: u64,
 }
 
 impl Errors {
     /// Of colours against the reference's, which are `None` where undefined.
     pub fn of(colors: &[[f32; 3]], truth: &[Option<[f64; 3]>]) -> Errors {
-        let truth = truth.iter().map(|truth| truth.as_ref().map(|truth| &truth[..]));
-        Errors::each(colors.iter().map(|color| &color[..]).zip(truth))
-    }
-
-    /// The same of any numbers; a truth is as long as what it is the truth of.
-    pub fn each<'a>(all: impl Iterator<Item = (&'a [f32], Option<&'a [f64]>)>) -> Errors {
-        let mut errors = Errors::default();
+        let mut errors = Errors { flips: Some(0), max_code: Some(0), ..Errors::default() };
         let mut steps = Vec::new();
-        for (ours, truth) in all {
+        let (mut flips, mut max_code) = (0, 0);
+        for (ours, truth) in colors.iter().zip(truth) {
             let Some(truth) = truth else {
                 errors.undefined += 1;
                 continue;
@@ -48,23 +52,76 @@ impl Errors {
                 steps.push(255.0 * (f64::from(*ours) - exact).abs());
                 let codes = [code(*ours, Transfer::Srgb), code(*exact as f32, Transfer::Srgb)];
                 let apart = codes[0].abs_diff(codes[1]);
-                errors.flips += u64::from(apart > 0);
-                errors.max_code = errors.max_code.max(apart);
+                flips += u64::from(apart > 0);
+                max_code = max_code.max(apart);
+            }
+        }
+        (errors.flips, errors.max_code) = (Some(flips), Some(max_code));
+        errors.channels = steps.len() as u64;
+        (errors.max_steps, errors.p999_steps) = largest(&mut steps);
+        errors
+    }
+
+    /// Of results of calls against the truth's.
+    pub fn of_calls(all: impl Iterator<Item = (Results, Option<Results>)>) -> Errors {
+        let mut errors = Errors::default();
+        let (mut steps, mut ulps) = (Vec::new(), Vec::new());
+        let mut differing = None;
+        for (ours, truth) in all {
+            let Some(truth) = truth else {
+                errors.undefined += 1;
+                continue;
+            };
+            if ours.missing || ours.floats.iter().any(|x| !x.is_finite()) {
+                errors.non_finite += 1;
+                continue;
+            }
+            let scale = truth.floats.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (ours, exact) in ours.floats.iter().zip(&truth.floats) {
+                let off = off(*ours as f32, *exact, scale);
+                steps.push(off.steps);
+                ulps.push(off.ulp);
+            }
+            if !truth.wholes.is_empty() {
+                let differs = ours.wholes != truth.wholes;
+                differing = Some(differing.unwrap_or(0) + u64::from(differs));
             }
         }
         errors.channels = steps.len() as u64;
-        if !steps.is_empty() {
-            errors.max_steps = steps.iter().copied().fold(0.0, f64::max);
-            // Nearest rank, in whole numbers: at least 999 of 1000 are not above it.
-            let rank = (steps.len() * 999).div_ceil(1000);
-            let (_, p999, _) = steps.select_nth_unstable_by(rank - 1, f64::total_cmp);
-            errors.p999_steps = *p999;
+        errors.differing = differing;
+        (errors.max_steps, errors.p999_steps) = largest(&mut steps);
+        if !ulps.is_empty() {
+            let (max, p999) = largest(&mut ulps);
+            (errors.max_ulp, errors.p999_ulp) = (Some(max), Some(p999));
         }
         errors
     }
 
     /// Part of the channels whose code is another.
-    pub fn flip_share(&self) -> f64 {
-        self.flips as f64 / self.channels.max(1) as f64
+    pub fn flip_share(&self) -> Option<f64> {
+        self.flips.map(|flips| flips as f64 / self.channels.max(1) as f64)
     }
+}
+
+/// What a call gave.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Results {
+    /// Its floats.
+    pub floats: Vec<f64>,
+    /// Its whole numbers and truths.
+    pub wholes: Vec<u64>,
+    /// Whether it gave nothing: it met a `discard`.
+    pub missing: bool,
+}
+
+/// The largest, and what 99.9 % do not exceed; 0 of none.
+pub(super) fn largest(all: &mut [f64]) -> (f64, f64) {
+    if all.is_empty() {
+        return (0.0, 0.0);
+    }
+    let max = all.iter().copied().fold(0.0, f64::max);
+    // Nearest rank, in whole numbers: at least 999 of 1000 are not above it.
+    let rank = (all.len() * 999).div_ceil(1000);
+    let (_, p999, _) = all.select_nth_unstable_by(rank - 1, f64::total_cmp);
+    (max, *p999)
 }

@@ -1,198 +1,186 @@
-//! A function of a shader over random arguments on the evaluator, as a workload.
+//! A function of a shader as the subject of a bench: what it is called with, and what the truth
+//! of that is.
 //!
-//! Only for functions of floats that read nothing else; [`run::call`](crate::run::call) and
-//! readers call the others one at a time. Arguments are of either sign and log-uniform from
-//! 2^-10 to 2^10; the truth is the first function's own `f64`, where that is finite.
+//! Made of a [`Pure`]: arguments, inputs of the stage and members of blocks are what it is called
+//! with, values like those of published scenes within the domain. Feeds the workloads of
+//! [`called`](super::called).
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use super::errors::Errors;
-use super::report::Work;
-use super::rounds::{Part, Workload};
-use crate::run::Module;
-use crate::run::eval::{Call, FunctionSignature, Numbers, Precision, Program, Settings, Words};
-use crate::shape::{Scalar, ScalarKind};
-use crate::source::{Source, Span};
-use crate::{Diagnostic, Options};
+use serde_json::Value;
 
-/// Calls of one run.
-const LANES: usize = 1 << 14;
+use super::errors::Results;
+use crate::accuracy::inputs::{columns, domain, input, matched, published};
+use crate::accuracy::measure::floats;
+use crate::run::call::Refusal;
+use crate::run::call::pure::{Pure, PureCalled};
+use crate::run::eval::{Precision, Settings};
+use crate::source::Source;
+use crate::{Diagnostic, Severity};
 
-/// Exponents of arguments: none so large that a square of a length overflows.
-const EXPONENTS: [f64; 2] = [-10.0, 10.0];
-
-/// A function ready to be called.
-#[derive(Debug)]
-pub struct Function {
-    program: Program,
-    signature: FunctionSignature,
+/// What a function is called with.
+#[derive(Clone, Debug)]
+pub struct Sampling {
+    /// What its inputs may be, in JSON; comments of the shader say it too.
+    pub domain: Option<Value>,
+    /// What random numbers start from.
+    pub seed: u64,
+    /// Calls of one run.
+    pub calls: usize,
+    /// Who is not done with a run by then has failed.
+    pub limit: Duration,
 }
 
-impl Function {
-    /// A shader's function by its name.
-    ///
-    /// # Errors
-    /// What is wrong with the shader; no such function, or one that takes what is no float.
-    pub fn new(
-        source: &Source,
-        options: &Options,
-        name: &str,
-    ) -> Result<Function, Vec<Diagnostic>> {
-        let module = Module::new(source, &Options { gather: true, ..options.clone() })?;
-        let program = Program::new(&module, &[]);
-        let refuse = |message: String| {
-            let mut found = Diagnostic::error("cannot-bench", Span::default(), message);
-            found.labels.clear();
-            found.path = Some(source.path.clone());
-            vec![found]
-        };
-        let all = program.functions();
-        let Some(signature) = all.iter().find(|function| function.name == name) else {
-            let names: Vec<String> = all.iter().map(|f| format!("`{}`", f.name)).collect();
-            let has = format!("there is no function `{name}`; there are {}", names.join(", "));
-            return Err(refuse(has));
-        };
-        let taken = signature.parameters.iter().map(|parameter| (&parameter.name, &parameter.ty));
-        for (what, ty) in taken {
-            if ty.scalars().iter().any(|scalar| !is_float(*scalar)) {
-                let has = format!("`{what}` of `{name}` is no float, vector or structure of them");
-                return Err(refuse(has));
-            }
-        }
-        let gives = signature.result.as_ref().map(|ty| ty.scalars()).unwrap_or_default();
-        if gives.is_empty() || gives.iter().any(|scalar| !is_float(*scalar)) {
-            return Err(refuse(format!("`{name}` returns no float, vector or structure of them")));
-        }
-        let signature = signature.clone();
-        Ok(Function { program, signature })
-    }
-
-    fn call(&self, arguments: &[Words], precision: Precision) -> Result<(Numbers, u64), String> {
-        let call = Call {
-            function: &self.signature.name,
-            lanes: LANES,
-            arguments: arguments.to_vec(),
-            resources: &[],
-        };
-        let settings = Settings { precision, threads: 1, ..Settings::default() };
-        let called = self.program.call(&call, &settings).map_err(|failure| failure.message)?;
-        Ok((called.result, called.notes.counts.operations()))
-    }
-
-    fn scalars(&self) -> Vec<usize> {
-        self.signature.parameters.iter().map(|parameter| parameter.ty.scalars().len()).collect()
+impl Default for Sampling {
+    fn default() -> Sampling {
+        Sampling { domain: None, seed: 1, calls: 1 << 14, limit: Duration::from_secs(120) }
     }
 }
 
-fn is_float(scalar: Scalar) -> bool {
-    scalar.kind == ScalarKind::Float && scalar.width == 4
-}
+/// Iterations of loops that one call may take.
+const BUDGET: u32 = 1 << 16;
 
-/// Arguments, and what a function gives for them in `f64`.
+/// What functions are called with, and what the truth of that is.
 #[derive(Clone, Debug)]
 pub struct Calls {
-    arguments: Vec<Words>,
-    scalars: Vec<usize>,
-    truth: Vec<Option<Vec<f64>>>,
+    /// The words of each scalar, in the order of the function they were made for.
+    columns: Vec<Vec<u64>>,
+    lanes: usize,
+    limit: Duration,
+    /// What each call gives; none where that is not finite, or nothing.
+    truth: Vec<Option<Results>>,
 }
 
 impl Calls {
-    /// Random arguments of a function.
+    /// Samples of a function's inputs, and the `f64` of that function or another as the truth.
     ///
     /// # Errors
-    /// Why it cannot be called: it reads buffers, or does not end.
-    pub fn new(function: &Function, seed: u64) -> Result<Calls, String> {
-        let mut state = seed;
-        let scalars = function.scalars();
-        let arguments: Vec<Words> = scalars
-            .iter()
-            .map(|count| {
-                (0..*count).map(|_| (0..LANES).map(|_| argument(&mut state)).collect()).collect()
-            })
-            .collect();
-        let (numbers, _) = function.call(&arguments, Precision::Double)?;
-        let truth = (0..LANES)
-            .map(|lane| {
-                let values: Vec<f64> = numbers.doubles.iter().map(|lanes| lanes[lane]).collect();
-                values.iter().all(|value| value.is_finite()).then_some(values)
-            })
-            .collect();
-        Ok(Calls { arguments, scalars, truth })
+    /// A domain that is about something else, or leaves nothing; another function that takes
+    /// something else; one that does not end.
+    pub fn new(
+        source: &Source,
+        pure: &Pure,
+        truth: &Pure,
+        sampling: &Sampling,
+    ) -> Result<Calls, Box<Refusal>> {
+        let refused =
+            |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
+        let failed = |message: String| refused(finding(message, &source.path));
+        let inputs = input::inputs(pure);
+        let domain =
+            domain(source, pure, &inputs, sampling.domain.as_ref()).map_err(&refused)?;
+        let samples = published(&inputs, &domain, sampling.seed, sampling.calls);
+        if samples.len() < sampling.calls {
+            let (given, wanted) = (samples.len(), sampling.calls);
+            let message =
+                format!("the domain leaves {given} of {wanted} samples of a scene: widen it");
+            return Err(failed(message));
+        }
+        let mut calls = Calls {
+            columns: columns(&samples),
+            lanes: samples.len(),
+            limit: sampling.limit,
+            truth: Vec::new(),
+        };
+        let given = calls.given(&calls.matched(pure, truth).map_err(&failed)?);
+        let called = truth
+            .call(&given, calls.lanes, &calls.settings(Precision::Double))
+            .map_err(|failure| failed(format!("`{}`: {}", truth.shown, failure.message)))?;
+        let kinds = Kinds::of(truth);
+        let each = (0..calls.lanes).map(|lane| {
+            let results = kinds.results(&called, lane, Precision::Double);
+            let defined = !results.missing && results.floats.iter().all(|x| x.is_finite());
+            defined.then_some(results)
+        });
+        calls.truth = each.collect();
+        Ok(calls)
     }
 
     /// How many calls a run makes.
     pub fn count(&self) -> usize {
-        LANES
+        self.lanes
     }
 
-    /// A function over these arguments, how far it is from the truth, and its work.
-    ///
-    /// Errors are steps of 1/255 of the truth, or of 1 where that is more.
-    ///
-    /// # Errors
-    /// It takes or gives something else, or cannot be called.
-    pub fn workload<'a>(
-        &'a self,
-        function: &'a Function,
-    ) -> Result<(Called<'a>, Errors, Work), String> {
-        if function.scalars() != self.scalars {
-            return Err("it takes other parameters than the function it is compared with".into());
+    /// Which of the columns each scalar of another function is given.
+    pub(super) fn matched(&self, first: &Pure, other: &Pure) -> Result<Vec<usize>, String> {
+        matched::matched(first, other)
+    }
+
+    /// The columns in another function's order.
+    pub(super) fn given(&self, order: &[usize]) -> Vec<Vec<u64>> {
+        order.iter().map(|&at| self.columns[at].clone()).collect()
+    }
+
+    /// What each call should give; none where that is undefined.
+    pub(super) fn truth(&self) -> &[Option<Results>] {
+        &self.truth
+    }
+
+    pub(super) fn limit(&self) -> Duration {
+        self.limit
+    }
+
+    /// How the evaluator runs: on one thread, since time is counted.
+    pub(super) fn settings(&self, precision: Precision) -> Settings {
+        Settings {
+            precision,
+            budget: BUDGET,
+            deadline: Instant::now().checked_add(self.limit),
+            threads: 1,
+            ..Settings::default()
         }
-        let (numbers, operations) = function.call(&self.arguments, Precision::Single)?;
-        let given = numbers.words.len();
-        let wanted = self.truth.iter().flatten().map(Vec::len).next().unwrap_or(given);
-        if given != wanted {
-            let name = &function.signature.name;
-            return Err(format!("`{name}` gives {given} numbers, and {wanted} are compared with"));
-        }
-        let mut rows: Vec<(Vec<f32>, Option<Vec<f64>>)> = Vec::with_capacity(LANES);
-        for (lane, truth) in self.truth.iter().enumerate() {
-            let single = |words: &Vec<u64>| f32::from_bits(words[lane] as u32);
-            let ours: Vec<f32> = numbers.words.iter().map(single).collect();
-            let sized = |at: usize| truth.as_ref().map_or(1.0, |t| t[at].abs().max(1.0));
-            let ours = ours.iter().enumerate().map(|(i, x)| (f64::from(*x) / sized(i)) as f32);
-            let exact =
-                truth.as_ref().map(|t| t.iter().enumerate().map(|(i, x)| x / sized(i)).collect());
-            rows.push((ours.collect(), exact));
-        }
-        let errors = Errors::each(rows.iter().map(|(a, b)| (&a[..], b.as_deref())));
-        let work = Work { operations: Some(operations as f64 / LANES as f64), ..Work::default() };
-        Ok((Called { calls: self, function }, errors, work))
     }
 }
 
-/// The bits of a random float.
-fn argument(state: &mut u64) -> u64 {
-    let mut unit = || {
-        // SplitMix64 (Steele, Lea and Flood).
-        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = *state;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    };
-    let [low, high] = EXPONENTS;
-    let size = (low + (high - low) * unit()).exp2();
-    let signed = if unit() < 0.5 { -size } else { size };
-    u64::from((signed as f32).to_bits())
+/// Which scalars of a function's results are floats, and which whole numbers or truths.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Kinds {
+    /// The number of the result, and of the scalar in it.
+    pub floats: Vec<(usize, usize)>,
+    pub wholes: Vec<(usize, usize)>,
 }
 
-/// A function over arguments.
-pub struct Called<'a> {
-    calls: &'a Calls,
-    function: &'a Function,
-}
-
-impl Workload for Called<'_> {
-    fn has(&self, part: Part) -> bool {
-        match part {
-            Part::Whole => true,
-            Part::Unlit | Part::Trivial => false,
-        }
+impl Kinds {
+    pub(super) fn of(pure: &Pure) -> Kinds {
+        let floats = floats(pure);
+        let results = pure.results.iter().enumerate();
+        let all = results.flat_map(|(nth, r)| (0..r.ty.scalars().len()).map(move |at| (nth, at)));
+        let wholes = all.filter(|place| !floats.contains(place)).collect();
+        Kinds { floats, wholes }
     }
 
-    fn run(&mut self, _part: Part) -> Result<Option<Duration>, String> {
-        std::hint::black_box(self.function.call(&self.calls.arguments, Precision::Single)?);
-        Ok(None)
+    /// What one lane gave.
+    pub(super) fn results(
+        &self,
+        called: &PureCalled,
+        lane: usize,
+        precision: Precision,
+    ) -> Results {
+        let float = |&(nth, at): &(usize, usize)| {
+            let numbers = &called.results[nth];
+            match precision {
+                Precision::Double => numbers.doubles[at][lane],
+                Precision::Single | Precision::Both | Precision::Permitted => {
+                    f64::from(f32::from_bits(numbers.words[at][lane] as u32))
+                }
+            }
+        };
+        Results {
+            floats: self.floats.iter().map(float).collect(),
+            wholes: self.wholes.iter().map(|&(n, at)| called.results[n].words[at][lane]).collect(),
+            missing: called.called.discarded.get(lane) == Some(&true),
+        }
+    }
+}
+
+fn finding(message: String, about: &str) -> Diagnostic {
+    Diagnostic {
+        code: "cannot-bench",
+        severity: Severity::Error,
+        message,
+        path: Some(about.to_string()),
+        labels: Vec::new(),
+        notes: Vec::new(),
+        help: None,
     }
 }

@@ -9,7 +9,9 @@
 pub mod clock;
 pub mod compiled;
 mod errors;
+pub mod called;
 pub mod function;
+mod kernel;
 pub mod machine;
 pub mod rank;
 mod report;
@@ -18,8 +20,8 @@ pub mod scene;
 pub mod shader;
 mod spread;
 
-pub use errors::Errors;
+pub use errors::{Errors, Results};
 pub use machine::Machine;
-pub use report::{Bench, BenchRow, Failed, Runner, Size, Work, drawing};
+pub use report::{Bench, BenchRow, Failed, Permitted, Runner, Size, Unit, Work, drawing};
 pub use rounds::{Part, Rounds, Samples, Workload, measure};
 pub use spread::Spread;

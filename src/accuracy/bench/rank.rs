@@ -1,10 +1,12 @@
 //! Who is better: not worse in any column beyond the spread, and better in one.
 //!
-//! Only variants of one runner are compared. Columns are time for a light and for a fragment, the
-//! largest error, that of 99.9 %, flips, fragments that are no number, light evaluations and
-//! bytes uploaded; operations and powers are not, as they are why the time is what it is.
+//! Only variants of one runner are compared. Columns are time for a light and for a fragment or
+//! call; the largest error and that of 99.9 %, in steps and in units of the last place; what a
+//! conformant device may do, the same two; flips, whole numbers that are others, fragments that
+//! are no number; light evaluations, slots and bytes uploaded. Operations and powers are none, as
+//! they are why the time is what it is.
 
-use super::report::BenchRow;
+use super::report::{BenchRow, Permitted};
 
 /// What one column says of two variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,17 +35,30 @@ pub fn dominated(rows: &[BenchRow]) -> Vec<Vec<usize>> {
 }
 
 /// Each column of `a` against `b`.
-pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 8] {
+pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
     let (ea, eb) = (&a.errors, &b.errors);
+    let whole = |n: Option<u64>| n.map(|n| n as f64);
+    let permitted = |of: fn(&Permitted) -> Option<f64>| {
+        // More than any number is what may be anything.
+        let steps = |row: &BenchRow| row.permitted.map(|p| of(&p).unwrap_or(f64::INFINITY));
+        numbers(steps(a), steps(b))
+    };
     [
         times(a.light_rounds.as_deref(), b.light_rounds.as_deref()),
         times(Some(&a.fragment_rounds), Some(&b.fragment_rounds)),
         numbers(Some(ea.max_steps), Some(eb.max_steps)),
         numbers(Some(ea.p999_steps), Some(eb.p999_steps)),
-        flips(ea.flips, eb.flips),
+        numbers(ea.max_ulp, eb.max_ulp),
+        numbers(ea.p999_ulp, eb.p999_ulp),
+        permitted(|permitted| permitted.max_steps),
+        permitted(|permitted| permitted.p999_steps),
+        permitted(|permitted| Some(permitted.unsure as f64)),
+        ea.flips.zip(eb.flips).map_or(Verdict::Same, |(a, b)| flips(a, b)),
+        numbers(whole(ea.differing), whole(eb.differing)),
         numbers(Some(ea.non_finite as f64), Some(eb.non_finite as f64)),
         numbers(a.work.evaluations, b.work.evaluations),
-        numbers(a.work.bytes.map(|n| n as f64), b.work.bytes.map(|n| n as f64)),
+        numbers(a.work.slots, b.work.slots),
+        numbers(whole(a.work.bytes), whole(b.work.bytes)),
     ]
 }
 

@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
-use super::errors::Errors;
+use super::errors::{Errors, largest};
 use super::machine::Machine;
 use super::rank;
 use super::rounds::Samples;
@@ -20,7 +20,9 @@ pub struct Bench {
     pub subject: String,
     /// What errors are measured against.
     pub truth: String,
-    /// Fragments, or calls.
+    /// What is lit or called how often.
+    pub unit: Unit,
+    /// Fragments, or calls, of one run.
     pub fragments: u64,
     /// Lights that a fragment is lit by; 0 where the subject has none.
     pub lights: u32,
@@ -30,6 +32,27 @@ pub struct Bench {
     pub rows: Vec<BenchRow>,
     /// Variants that did not run, and why.
     pub failed: Vec<Failed>,
+}
+
+/// What time and work are given for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Unit {
+    /// A fragment of a scene.
+    #[default]
+    Fragment,
+    /// A call of a function.
+    Call,
+}
+
+impl Unit {
+    /// As it is written in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unit::Fragment => "fragment",
+            Unit::Call => "call",
+        }
+    }
 }
 
 /// A variant that did not run.
@@ -66,14 +89,41 @@ impl Runner {
 /// Work of one run, the same on every machine.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Work {
-    /// Lights evaluated for a fragment.
+    /// Lights evaluated for a fragment: a slot that is skipped is none.
     pub evaluations: Option<f64>,
+    /// Slots for lights that its loops are given for a fragment, skipped or not.
+    pub slots: Option<f64>,
     /// Powers taken for a fragment.
     pub powers: Option<f64>,
-    /// Scalar operations of the evaluator for a fragment.
+    /// Scalar operations of the evaluator for a fragment, or a call.
     pub operations: Option<f64>,
-    /// Bytes uploaded for a frame.
+    /// Bytes uploaded for a frame: of blocks, or of what is called with.
     pub bytes: Option<u64>,
+}
+
+/// How far from the truth any conformant device may be, by the bounds WGSL and Vulkan set to each
+/// operation of the code as it is written.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Permitted {
+    /// In steps, at the worst sample; none where a device may give anything.
+    pub max_steps: Option<f64>,
+    /// What 99.9 % of the samples do not exceed.
+    pub p999_steps: Option<f64>,
+    /// Samples at which a branch may go the other way on another device, and so lead anywhere;
+    /// distances are those of the way it goes.
+    pub unsure: u64,
+    /// Samples that were looked at.
+    pub samples: u64,
+}
+
+impl Permitted {
+    /// Of the steps of each sample, infinite where a device may give anything.
+    pub(super) fn of(steps: &mut [f64], unsure: u64) -> Permitted {
+        let samples = steps.len() as u64;
+        let (max, p999) = largest(steps);
+        let some = |x: f64| x.is_finite().then_some(x);
+        Permitted { max_steps: some(max), p999_steps: some(p999), unsure, samples }
+    }
 }
 
 /// A variant on a runner.
@@ -100,6 +150,8 @@ pub struct BenchRow {
     pub subtracted: bool,
     /// How far it is from the truth.
     pub errors: Errors,
+    /// How far any conformant device may be from it, where that is known.
+    pub permitted: Option<Permitted>,
     /// What it did.
     pub work: Work,
     /// Names of the variants of its runner that are better.
@@ -143,6 +195,7 @@ impl BenchRow {
             fragment_rounds,
             subtracted: samples.trivial.is_some(),
             errors,
+            permitted: None,
             work,
             dominated_by: Vec::new(),
         })
@@ -182,7 +235,7 @@ pub fn drawing(bench: &Bench) -> Scatter {
         title: bench.subject.clone(),
         time: match by_light {
             true => "time for a fragment and light, ns".to_string(),
-            false => "time for a fragment, ns".to_string(),
+            false => format!("time for a {}, ns", bench.unit.name()),
         },
         error: "largest error, steps of 1/255".to_string(),
         marks: marks.collect(),

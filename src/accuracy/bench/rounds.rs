@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use super::clock::{Clock, Start};
+use super::clock::{self, Clock, Start, Took};
 
 /// A part of a workload, so that what is not meant can be subtracted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -23,11 +23,11 @@ pub trait Workload {
     /// Whether there is this part; there is always a whole.
     fn has(&self, part: Part) -> bool;
 
-    /// Runs a part once. Where the device timed it itself, how long it took.
+    /// Runs a part once. Where whoever ran it timed it itself, how long it took.
     ///
     /// # Errors
     /// Why it did not run: it is measured no further.
-    fn run(&mut self, part: Part) -> Result<Option<Duration>, String>;
+    fn run(&mut self, part: Part) -> Result<Option<Took>, String>;
 }
 
 /// How to measure.
@@ -154,14 +154,10 @@ impl Running {
 /// Seconds of one run, over `repeat` of them.
 fn timed(workload: &mut dyn Workload, part: Part, repeat: u32) -> Result<(f64, Clock), String> {
     let start = Start::now();
-    let mut device = Some(Duration::ZERO);
+    let mut own = Vec::with_capacity(repeat as usize);
     for _ in 0..repeat {
-        let own = workload.run(part)?;
-        device = device.zip(own).map(|(sum, own)| sum + own);
+        own.push(workload.run(part)?);
     }
-    let (passed, clock) = match device {
-        Some(device) => (device, Clock::Device),
-        None => start.passed(),
-    };
-    Ok((passed.as_secs_f64() / f64::from(repeat), clock))
+    let Took { time, clock } = clock::sum(own).unwrap_or_else(|| start.passed());
+    Ok((time.as_secs_f64() / f64::from(repeat), clock))
 }

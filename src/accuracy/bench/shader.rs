@@ -5,8 +5,9 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use super::clock::{self, Took, took};
 use super::errors::Errors;
 use super::report::Work;
 use super::rounds::{Part, Workload};
@@ -93,6 +94,7 @@ impl<'a> Shader<'a> {
         let blocks = self.whole.iter().flat_map(|prepared| &prepared.blocks);
         let work = Work {
             evaluations: Some(self.evaluated[0] as f64),
+            slots: None,
             powers: None,
             operations: self.operations(),
             bytes: Some(blocks.map(|block| block.len() as u64).sum()),
@@ -135,7 +137,7 @@ impl Workload for Shader<'_> {
         }
     }
 
-    fn run(&mut self, part: Part) -> Result<Option<Duration>, String> {
+    fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
         let shader = &self.renderer.shader;
         let (shader, prepared): (_, &[Prepared]) = match (part, &self.unlit, &self.trivial) {
             (Part::Whole, ..) => (shader, &self.whole),
@@ -148,17 +150,17 @@ impl Workload for Shader<'_> {
             }
         };
         let mut reader = self.reader.borrow_mut();
-        let software = reader.device().software;
-        let mut device = Some(Duration::ZERO);
+        let mut own = Vec::new();
         for prepared in prepared {
+            let mut began = Instant::now();
             shader
                 .run(reader.as_mut(), &prepared.batch(self.limit), |reader, _| {
-                    device = device.zip(reader.device_time()).map(|(sum, own)| sum + own);
+                    own.push(took(reader, began));
+                    began = Instant::now();
                 })
                 .map_err(|failure| failure.message)?;
         }
-        // On a processor, its time says more than the driver's clock.
-        Ok(device.filter(|_| !software))
+        Ok(clock::sum(own))
     }
 }
 

@@ -6,8 +6,8 @@ mod scene;
 use landfall::Error;
 use landfall::accuracy::bench::clock::Clock;
 use landfall::accuracy::bench::{
-    Bench, BenchRow, Errors, Failed, Machine, Rounds, Runner, Size, Work, Workload, drawing,
-    measure,
+    Bench, BenchRow, Errors, Failed, Machine, Permitted, Rounds, Runner, Size, Unit, Work,
+    Workload, drawing, measure,
 };
 use landfall::accuracy::plot::scatter;
 use landfall::emit::bench as print;
@@ -43,24 +43,40 @@ struct Entry<'a> {
     runner: Runner,
     workload: Box<dyn Workload + 'a>,
     errors: Errors,
+    permitted: Option<Permitted>,
     work: Work,
+}
+
+/// What can be measured, and what cannot.
+#[derive(Default)]
+struct Entries<'a> {
+    measured: Vec<Entry<'a>>,
+    failed: Vec<Failed>,
+}
+
+impl Entries<'_> {
+    fn fail(&mut self, variant: &str, reader: &str, reason: impl Into<String>) {
+        let (variant, reader) = (variant.to_string(), reader.to_string());
+        self.failed.push(Failed { variant, reader, reason: reason.into() });
+    }
 }
 
 /// What a bench is of.
 struct About {
     subject: String,
     truth: String,
+    unit: Unit,
     size: Size,
 }
 
 /// Measures in turns and ranks.
 fn measured(
     about: About,
-    mut entries: Vec<Entry<'_>>,
-    mut failed: Vec<Failed>,
+    entries: Entries<'_>,
     args: &BenchArgs,
     streams: &Streams,
 ) -> Bench {
+    let Entries { measured: mut entries, mut failed } = entries;
     let machine = Machine::here();
     let rounds = Rounds { count: args.rounds, ..Rounds::default() };
     let shows = streams.shows_progress_first();
@@ -74,17 +90,18 @@ fn measured(
     let samples = measure(&mut workloads, &rounds, &mut progress);
     let mut rows = Vec::new();
     for (entry, samples) in entries.into_iter().zip(samples) {
-        let Entry { variant, runner, errors, work, .. } = entry;
+        let Entry { variant, runner, errors, permitted, work, .. } = entry;
         match samples {
             Ok(samples) => {
-                rows.extend(BenchRow::new(variant, runner, &samples, about.size, errors, work));
+                let row = BenchRow::new(variant, runner, &samples, about.size, errors, work);
+                rows.extend(row.map(|row| BenchRow { permitted, ..row }));
             }
             Err(reason) => failed.push(Failed { variant, reader: runner.reader, reason }),
         }
     }
-    let About { subject, truth, size: Size { fragments, lights } } = about;
+    let About { subject, truth, unit, size: Size { fragments, lights } } = about;
     let machine = machine.after();
-    Bench { subject, truth, fragments, lights, machine, rows, failed }.ranked()
+    Bench { subject, truth, unit, fragments, lights, machine, rows, failed }.ranked()
 }
 
 /// Who runs what is compiled into this program.

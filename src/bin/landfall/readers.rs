@@ -31,40 +31,64 @@ pub fn open(names: &[ReaderName], adapter: Option<&str>) -> Readers {
 
 /// Opens one reader.
 pub fn one(name: ReaderName, adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
+    opened(name, adapter, Timing::Off)
+}
+
+/// Opens one reader whose device times its jobs itself, where it can.
+pub fn timed(name: ReaderName, adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
+    opened(name, adapter, Timing::On)
+}
+
+/// Whether the device times its jobs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Timing {
+    Off,
+    On,
+}
+
+fn opened(
+    name: ReaderName,
+    adapter: Option<&str>,
+    timing: Timing,
+) -> Result<Box<dyn Reader>, Failure> {
     match name {
         ReaderName::Cpu => Ok(Box::new(landfall::run::eval::Cpu::new(Default::default()))),
-        ReaderName::Gl => gl(),
-        ReaderName::Gpu => gpu(adapter),
+        ReaderName::Gl => gl(timing),
+        ReaderName::Gpu => gpu(adapter, timing),
     }
 }
 
 #[cfg(feature = "gl")]
-fn gl() -> Result<Box<dyn Reader>, Failure> {
-    remote(&landfall::run::remote::Behind::Gl)
+fn gl(timing: Timing) -> Result<Box<dyn Reader>, Failure> {
+    remote(&landfall::run::remote::Behind::Gl, timing)
 }
 
 #[cfg(not(feature = "gl"))]
-fn gl() -> Result<Box<dyn Reader>, Failure> {
+fn gl(_timing: Timing) -> Result<Box<dyn Reader>, Failure> {
     Err(Failure::missing("this landfall was built without the feature `gl`", ""))
 }
 
 #[cfg(feature = "gpu")]
-fn gpu(adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
-    remote(&landfall::run::remote::Behind::Gpu(adapter.map(str::to_string)))
+fn gpu(adapter: Option<&str>, timing: Timing) -> Result<Box<dyn Reader>, Failure> {
+    remote(&landfall::run::remote::Behind::Gpu(adapter.map(str::to_string)), timing)
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_adapter: Option<&str>) -> Result<Box<dyn Reader>, Failure> {
+fn gpu(_adapter: Option<&str>, _timing: Timing) -> Result<Box<dyn Reader>, Failure> {
     Err(Failure::missing("this landfall was built without the feature `gpu`", ""))
 }
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
-fn remote(behind: &landfall::run::remote::Behind) -> Result<Box<dyn Reader>, Failure> {
+fn remote(
+    behind: &landfall::run::remote::Behind,
+    timing: Timing,
+) -> Result<Box<dyn Reader>, Failure> {
     use landfall::run::remote::{Launch, Remote};
 
     let program = std::env::current_exe().map_err(|cause| {
         let message = "the path of this program is not to be had, to start it again";
         Failure::missing(message, cause.to_string())
     })?;
-    Ok(Box::new(Remote::open(Launch::new(program, behind))?))
+    let launch = Launch { timed: timing == Timing::On, ..Launch::new(program, behind) };
+    Ok(Box::new(Remote::open(launch)?))
 }

@@ -68,24 +68,28 @@ fn request(args: &RunArgs) -> Result<Request, Error> {
     let Value::Array(arguments) = data::value("--args", &args.arguments)? else {
         return Err(Error::new("--args", "is no array of arguments").with_help("write `[1, 2]`"));
     };
-    let textures = args
-        .textures
-        .iter()
-        .map(|(name, text)| Ok((name.clone(), colour(&data::value("--texture", text)?, name)?)));
     let inputs =
         args.inputs.iter().map(|(name, text)| Ok((name.clone(), data::value("--input", text)?)));
     Ok(Request {
         function: args.function.clone(),
         arguments,
         data: data::blocks(args.data.as_deref())?,
-        textures: textures.collect::<Result<_, Error>>()?,
+        textures: textures(&args.textures)?,
         inputs: inputs.collect::<Result<_, Error>>()?,
         limit: args.limit,
     })
 }
 
+/// Colours of textures by name.
+pub fn textures(given: &[(String, String)]) -> Result<Vec<(String, [f32; 4])>, Error> {
+    let colours = given
+        .iter()
+        .map(|(name, text)| Ok((name.clone(), colour(&data::value("--texture", text)?, name)?)));
+    colours.collect()
+}
+
 /// Four numbers.
-pub fn colour(value: &Value, name: &str) -> Result<[f32; 4], Error> {
+fn colour(value: &Value, name: &str) -> Result<[f32; 4], Error> {
     let numbers: Option<Vec<f32>> = value
         .as_array()
         .and_then(|items| items.iter().map(|item| item.as_f64().map(|x| x as f32)).collect());

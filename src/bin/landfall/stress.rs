@@ -13,7 +13,7 @@ use landfall::{Diagnostic, Error};
 
 use crate::args::{ReaderName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::run::colour;
+use crate::run::textures;
 use crate::{data, read, readers};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -98,10 +98,6 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
 }
 
 fn request(args: &StressArgs) -> Result<Request, Error> {
-    let textures = args
-        .textures
-        .iter()
-        .map(|(name, text)| Ok((name.clone(), colour(&data::value("--texture", text)?, name)?)));
     let domain = match &args.domain {
         None => None,
         Some(text) => Some(data::file_or_value("--domain", text)?),
@@ -122,7 +118,7 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
         pure: PureRequest {
             function: args.function.clone(),
             data: data::blocks(args.data.as_deref())?,
-            textures: textures.collect::<Result<_, Error>>()?,
+            textures: textures(&args.textures)?,
             floats: match (args.half, args.mediump) {
                 (true, _) => Floats::Half,
                 (false, true) => Floats::Mediump,

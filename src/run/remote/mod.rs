@@ -24,7 +24,7 @@ use super::devices::Found;
 use super::reader::{Answer, Device, Failure, FailureKind, Job, Reader};
 use child::Process;
 use frame::Frame;
-use wire::{Ask, Reply, WireFound, WireJob};
+use wire::{Ask, Reply, Times, WireFound, WireJob};
 
 /// How the process of a driver is started.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +37,8 @@ pub struct Launch {
     pub environment: Vec<(OsString, OsString)>,
     /// The driver must have opened by then.
     pub opening: Duration,
+    /// Whether the device times its jobs by timestamps of its own, where it has those.
+    pub timed: bool,
 }
 
 impl Launch {
@@ -54,6 +56,7 @@ impl Launch {
             arguments,
             environment: Vec::new(),
             opening: Duration::from_secs(60),
+            timed: false,
         }
     }
 }
@@ -63,6 +66,8 @@ pub struct Remote {
     launch: Launch,
     device: Device,
     session: Option<Session>,
+    /// How long the last job took.
+    times: Times,
 }
 
 /// A process and what it has been told.
@@ -83,7 +88,7 @@ impl Remote {
     /// crashes or hangs when it is opened.
     pub fn open(launch: Launch) -> Result<Remote, Failure> {
         let (session, device) = Session::open(&launch)?;
-        Ok(Remote { launch, device, session: Some(session) })
+        Ok(Remote { launch, device, session: Some(session), times: Times::default() })
     }
 
     /// The number of the process, while there is one.
@@ -150,8 +155,19 @@ impl Reader for Remote {
 
     fn run(&mut self, job: &Job) -> Result<Answer, Failure> {
         let reader = self.device.reader;
-        let answer = self.session().and_then(|session| session.run(job, reader));
-        self.bury(answer)
+        self.times = Times::default();
+        let ran = self.session().and_then(|session| session.run(job, reader));
+        let (answer, times) = self.bury(ran)?;
+        self.times = times;
+        Ok(answer)
+    }
+
+    fn device_time(&self) -> Option<Duration> {
+        self.times.device
+    }
+
+    fn processor_time(&self) -> Option<Duration> {
+        self.times.processor
     }
 
     #[cfg(feature = "gl")]
@@ -190,20 +206,22 @@ impl Session {
     }
 
     fn device(&mut self, launch: &Launch) -> Result<Device, Failure> {
-        match self.ask(&Ask::Open, Frame::default(), launch.opening)?.0 {
+        let open = Ask::Open { timed: launch.timed };
+        match self.ask(&open, Frame::default(), launch.opening)?.0 {
             Reply::Opened(device) => device.device().map_err(garbled),
             other => Err(unexpected(other)),
         }
     }
 
-    fn run(&mut self, job: &Job, reader: &str) -> Result<Answer, Failure> {
+    fn run(&mut self, job: &Job, reader: &str) -> Result<(Answer, Times), Failure> {
         let mut frame = Frame::default();
         let wire = WireJob::new(job, reader, &mut frame, |module| self.number(module))
             .map_err(unsendable)?;
         let (reply, mut frame) = self.ask(&Ask::Run(wire), frame, job.limit)?;
         match reply {
-            Reply::Ran { buffers, pixels } => {
-                Reply::answer(buffers, pixels, &mut frame).map_err(garbled)
+            Reply::Ran { buffers, pixels, times } => {
+                let answer = Reply::answer(buffers, pixels, &mut frame).map_err(garbled)?;
+                Ok((answer, times))
             }
             other => Err(unexpected(other)),
         }

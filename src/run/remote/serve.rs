@@ -6,10 +6,11 @@ use std::sync::{Arc, mpsc};
 use std::thread;
 
 use super::frame::{Frame, invalid};
-use super::wire::{Ask, Reply, WireDevice, WireFound, stage};
+use super::wire::{Ask, Reply, Times, WireDevice, WireFound, stage};
 use crate::run::Module;
+use crate::run::processor;
 use crate::run::devices::Found;
-use crate::run::reader::{Failure, Reader};
+use crate::run::reader::{Answer, Failure, Job, Reader};
 
 /// Which driver is loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,7 +60,7 @@ pub fn serve(behind: &Behind, alone: impl FnOnce() + Send + 'static) -> io::Resu
 }
 
 fn run(behind: &Behind, asked: &mpsc::Receiver<io::Result<Option<Frame>>>) -> io::Result<()> {
-    let mut server = Server { behind, driver: None, modules: HashMap::new() };
+    let mut server = Server { behind, driver: None, timed: false, modules: HashMap::new() };
     while let Ok(frame) = asked.recv() {
         let Some(mut frame) = frame? else { break };
         let mut out = Frame::default();
@@ -82,13 +83,15 @@ enum Driver {
 struct Server<'b> {
     behind: &'b Behind,
     driver: Option<Driver>,
+    timed: bool,
     modules: HashMap<u64, Arc<Module>>,
 }
 
 impl Server<'_> {
     fn reply(&mut self, ask: Ask, frame: &mut Frame, out: &mut Frame) -> io::Result<Option<Reply>> {
         let reply = match ask {
-            Ask::Open => {
+            Ask::Open { timed } => {
+                self.timed = timed;
                 self.reader().map(|reader| Reply::Opened(WireDevice::from(reader.device())))
             }
             Ask::List => list(self.behind)
@@ -103,8 +106,7 @@ impl Server<'_> {
             }
             Ask::Run(job) => {
                 let job = job.job(frame, |id| self.modules.get(&id).cloned())?;
-                let answer = self.reader().and_then(|reader| reader.run(&job));
-                answer.map(|answer| Reply::of_answer(answer, out))
+                self.run(&job).map(|(answer, times)| Reply::of_answer(answer, times, out))
             }
             Ask::Reflect { sources } => {
                 let mut staged = Vec::with_capacity(sources.len());
@@ -117,9 +119,17 @@ impl Server<'_> {
         Ok(Some(reply.unwrap_or_else(Reply::Failed)))
     }
 
+    fn run(&mut self, job: &Job) -> Result<(Answer, Times), Failure> {
+        let reader = self.reader()?;
+        let before = processor::time();
+        let answer = reader.run(job)?;
+        let processor = processor::time().zip(before).map(|(now, then)| now.saturating_sub(then));
+        Ok((answer, Times { device: reader.device_time(), processor }))
+    }
+
     fn reader(&mut self) -> Result<&mut dyn Reader, Failure> {
         if self.driver.is_none() {
-            self.driver = Some(open(self.behind)?);
+            self.driver = Some(open(self.behind, self.timed)?);
         }
         match self.driver.as_mut().expect("it has just been opened") {
             #[cfg(feature = "gl")]
@@ -146,7 +156,8 @@ impl Server<'_> {
     }
 }
 
-fn open(behind: &Behind) -> Result<Driver, Failure> {
+/// Opens a driver; `timed` has its device time jobs, where it can.
+fn open(behind: &Behind, timed: bool) -> Result<Driver, Failure> {
     match behind {
         #[cfg(feature = "gl")]
         Behind::Gl => crate::run::gl::Gl::open().map(Driver::Gl),
@@ -155,7 +166,8 @@ fn open(behind: &Behind) -> Result<Driver, Failure> {
         #[cfg(feature = "gpu")]
         Behind::Gpu(adapter) => {
             let choice = crate::run::gpu::Choice { adapter: adapter.clone() };
-            crate::run::gpu::Gpu::open(&choice).map(|gpu| Driver::Gpu(Box::new(gpu)))
+            let gpu = crate::run::gpu::Gpu::open(&choice)?;
+            Ok(Driver::Gpu(Box::new(if timed { gpu.timed() } else { gpu })))
         }
         #[cfg(not(feature = "gpu"))]
         Behind::Gpu(_) => Err(absent("gpu")),

@@ -17,8 +17,10 @@ use crate::source::Stage;
 /// What is asked of the process that runs jobs.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) enum Ask {
-    /// Opens the driver, if it is not open.
-    Open,
+    /// Opens the driver, if it is not open; whether it times its jobs by the device's clock.
+    Open {
+        timed: bool,
+    },
     /// What there is.
     List,
     /// Remember a module by a number; its JSON is the blob.
@@ -43,10 +45,20 @@ pub(super) enum Reply {
     Ran {
         buffers: Vec<Option<Blob>>,
         pixels: Blob,
+        times: Times,
     },
     #[cfg(feature = "gl")]
     Reflected(crate::run::reflection::Reflection),
     Failed(Failure),
+}
+
+/// How long a job took, without the way there and back.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Times {
+    /// By timestamps of the device.
+    pub device: Option<Duration>,
+    /// Of the processors, by all threads of the process that ran it.
+    pub processor: Option<Duration>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -193,11 +205,11 @@ impl WireJob {
 }
 
 impl Reply {
-    pub(super) fn of_answer(answer: Answer, frame: &mut Frame) -> Reply {
+    pub(super) fn of_answer(answer: Answer, times: Times, frame: &mut Frame) -> Reply {
         let buffers = answer.buffers.into_iter().map(|bytes| bytes.map(|bytes| frame.put(bytes)));
         let buffers = buffers.collect();
         let pixels = answer.pixels.iter().flatten().flat_map(|word| word.to_le_bytes());
-        Reply::Ran { buffers, pixels: frame.put(pixels.collect()) }
+        Reply::Ran { buffers, pixels: frame.put(pixels.collect()), times }
     }
 
     pub(super) fn answer(

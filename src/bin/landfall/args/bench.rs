@@ -1,5 +1,6 @@
 //! Arguments of `landfall bench`.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -14,12 +15,15 @@ pub struct BenchArgs {
     /// The scene that variants light; or a shader, with --fn
     #[arg(value_name = "SCENE.json|FILE")]
     pub subject: PathBuf,
-    /// Call this function of the shader, and of every variant, instead: its f64 is the truth
-    #[arg(long = "fn", value_name = "NAME", conflicts_with_all = ["reader", "size", "model", "bind"])]
+    /// Call this function of the shader instead, with values like those of scenes: NAME, or
+    /// 'NAME(vec3, float)' where several have the name. What it reads is given as to `stress`
+    #[arg(long = "fn", value_name = "NAME", conflicts_with_all = ["size", "model", "model_of", "bind", "most"])]
     pub function: Option<String>,
     /// A variant: a shader's FILE; rust:seed or rust:robust, compiled into landfall, the latter
-    /// also rust:robust=POWER, without powers below POWER; plan:OPTIONS, which skips lights. Once
-    /// for each [default: the scene's shader and what is compiled]
+    /// also rust:robust=POWER, without powers below POWER; plan:OPTIONS, which skips lights. With
+    /// --fn FILE, FILE#NAME, or #NAME of the same file. Behind either, :half rounds every float to
+    /// f16 and :mediump those that OpenGL ES says are, which only the evaluator does. Once for
+    /// each [default: the scene's shader and what is compiled; the function as it is]
     #[arg(long = "variant", value_name = "NAME=WHAT", value_parser = setting)]
     pub variants: Vec<(String, String)>,
     /// Who runs the shaders [default: all there are]
@@ -48,7 +52,23 @@ pub struct BenchArgs {
     /// Which number of the scene goes to which member: a file of JSON, or an object
     #[arg(long, value_name = "FILE|JSON")]
     pub bind: Vec<String>,
-    /// Where the random arguments of --fn start
+    /// What inputs of --fn may be, as `stress` takes it: {"normal": "unit", "d": [0, 100]}, a file
+    /// or an object [default: what comments beside them say, else what scenes have by their names]
+    #[arg(long, value_name = "FILE|JSON", requires = "function")]
+    pub domain: Option<String>,
+    /// What blocks hold for --fn, by name: a file, or an object [default: their members are inputs]
+    #[arg(long, value_name = "FILE|JSON", requires = "function")]
+    pub data: Option<String>,
+    /// The colour a texture has everywhere for --fn [default: white]
+    #[arg(long = "texture", value_name = "NAME=[R,G,B,A]", value_parser = setting, requires = "function")]
+    pub textures: Vec<(String, String)>,
+    /// The variant of --fn whose f64 is the truth [default: the function itself, `as it is`]
+    #[arg(long, value_name = "NAME", requires = "function")]
+    pub truth: Option<String>,
+    /// Calls of --fn in a run
+    #[arg(long, value_name = "N", default_value = "16384", value_parser = samples, requires = "function")]
+    pub samples: NonZeroUsize,
+    /// Where the random inputs of --fn start
     #[arg(long, value_name = "N", default_value = "1", requires = "function")]
     pub seed: u64,
     /// Draw time against error: an SVG, whole or not at all
@@ -72,4 +92,11 @@ pub enum BenchFormat {
     Json,
     /// A line a variant
     Csv,
+}
+
+/// Calls of a run: some, and no more than memory holds.
+fn samples(text: &str) -> Result<NonZeroUsize, String> {
+    const MOST: usize = 1 << 22;
+    let number = text.parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST);
+    number.ok_or_else(|| format!("a run is 1 to {MOST} calls"))
 }

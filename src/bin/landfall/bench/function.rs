@@ -1,62 +1,200 @@
-//! Variants of one function, called by the evaluator with random arguments.
+//! Variants of one function, called with values like those of scenes.
 
 use std::path::PathBuf;
 
+use landfall::accuracy::bench::called::{Called, Variant};
 use landfall::accuracy::bench::clock::Clock;
-use landfall::accuracy::bench::function::{Calls, Function};
-use landfall::accuracy::bench::{Bench, Failed, Runner, Size};
-use landfall::run::eval::Cpu;
+use landfall::accuracy::bench::function::{Calls, Sampling};
+use landfall::accuracy::bench::{Bench, Runner, Size, Unit};
+use landfall::run::call::Refusal;
+use landfall::run::call::pure::{Pure, PureRequest};
+use landfall::run::eval::{Cpu, Floats};
 use landfall::run::reader::Reader;
+use landfall::source::Source;
+use landfall::{Error, Options};
 
-use super::{About, Entry, measured, wrong};
-use crate::args::{BenchArgs, BenchFormat};
-use crate::output::{Failure, FindingForm, Streams};
-use crate::read;
+use super::{About, Entries, Entry, measured, wrong};
+use crate::args::{BenchArgs, BenchFormat, ReaderName};
+use crate::output::{Failure, FindingForm, FindingStyle, Streams};
+use crate::run::textures;
+use crate::{data, read};
+
+/// The name of the function the bench is of.
+const FIRST: &str = "as it is";
+
+/// A variant as it is asked for: `FILE#NAME:half`, any of which may be missing.
+#[derive(Debug, PartialEq)]
+struct What {
+    file: PathBuf,
+    function: String,
+    floats: Floats,
+}
+
+/// A variant that can be called.
+struct Made {
+    name: String,
+    floats: Floats,
+    source: Source,
+    /// As it is written, whatever its floats are rounded to: what truth is made of.
+    exact: Pure,
+    /// With its floats rounded, if they are.
+    rounded: Option<Pure>,
+}
+
+impl Made {
+    fn pure(&self) -> &Pure {
+        self.rounded.as_ref().unwrap_or(&self.exact)
+    }
+}
 
 pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<Bench>, Failure> {
     let style = streams.style(match args.format {
         BenchFormat::Human | BenchFormat::Csv => FindingForm::Human,
         BenchFormat::Json => FindingForm::Json,
     });
+    let asked = asked(args, name);
+    let truth = match &args.truth {
+        None => 0,
+        Some(truth) => asked.iter().position(|(name, _)| name == truth).ok_or_else(|| {
+            let names: Vec<String> = asked.iter().map(|(name, _)| format!("`{name}`")).collect();
+            Error::new(format!("--truth {truth}"), "is no variant")
+                .with_help(format!("there are {}", names.join(", ")))
+        })?,
+    };
+    let request = PureRequest {
+        data: data::blocks(args.data.as_deref())?,
+        textures: textures(&args.textures)?,
+        ..PureRequest::default()
+    };
     let options = read::options(&args.read);
-    let mut files = vec![("as it is".to_string(), args.subject.clone())];
-    files.extend(args.variants.iter().map(|(name, file)| (name.clone(), PathBuf::from(file))));
-    let mut functions = Vec::new();
-    for (variant, file) in &files {
-        let source = read::source(file, &args.read)?;
-        match Function::new(&source, &options, name) {
-            Ok(function) => functions.push((variant, function)),
-            Err(found) => {
-                let mut files = landfall::source::Files::default();
-                files.add(source.path.clone(), source.text.clone());
-                streams.report(&style.text(&found, &files));
-                return Ok(None);
-            }
+    let mut made = Vec::new();
+    for (name, what) in asked {
+        let source = read::source(&what.file, &args.read)?;
+        match make(name, what, source, &options, &request) {
+            Ok(one) => made.push(one),
+            Err(refusal) => return refused(&refusal, &style, streams),
         }
     }
-    let calls =
-        Calls::new(&functions[0].1, args.seed).map_err(|reason| wrong(functions[0].0, reason))?;
-    let runner = Runner::of(Cpu::default().device(), Clock::Processor);
-    let (mut entries, mut failed) = (Vec::new(), Vec::new());
-    for (variant, function) in &functions {
-        match calls.workload(function) {
-            Ok((workload, errors, work)) => entries.push(Entry {
-                variant: (*variant).clone(),
-                runner: runner.clone(),
-                workload: Box::new(workload),
-                errors,
-                work,
-            }),
-            Err(reason) => {
-                let (variant, reader) = ((*variant).clone(), "cpu".to_string());
-                failed.push(Failed { variant, reader, reason });
-            }
+    notes(&made, streams);
+    let domain = args.domain.as_deref().map(|text| data::file_or_value("--domain", text));
+    let sampling = Sampling {
+        domain: domain.transpose()?,
+        seed: args.seed,
+        calls: args.samples.get(),
+        limit: args.limit,
+    };
+    let (first, exact) = (&made[0], &made[truth].exact);
+    let calls = match Calls::new(&first.source, &first.exact, exact, &sampling) {
+        Ok(calls) => calls,
+        Err(refusal) => return refused(&refusal, &style, streams),
+    };
+    let mut variants = Vec::new();
+    for one in &made {
+        match Variant::new(&calls, &first.exact, one.pure()) {
+            Ok(variant) => variants.push((one, variant)),
+            Err(reason) => return Err(wrong(&one.name, reason).into()),
         }
     }
+    let mut entries = Entries::default();
+    for reader in readers(args) {
+        match reader {
+            ReaderName::Cpu => evaluated(&variants, &mut entries),
+            ReaderName::Gl | ReaderName::Gpu => {}
+        }
+    }
+    let whose = match truth {
+        0 => "its own f64".to_string(),
+        _ => format!("the f64 of {}", made[truth].name),
+    };
     let about = About {
-        subject: format!("{name} of {}, arguments of seed {}", args.subject.display(), args.seed),
-        truth: "its own f64".to_string(),
+        subject: format!("{name} of {}, seed {}", args.subject.display(), args.seed),
+        truth: whose,
+        unit: Unit::Call,
         size: Size { fragments: calls.count() as u64, lights: 0 },
     };
-    Ok(Some(measured(about, entries, failed, args, streams)))
+    Ok(Some(measured(about, entries, args, streams)))
+}
+
+/// The variants and their names, the first of which is the function itself.
+fn asked(args: &BenchArgs, name: &str) -> Vec<(String, What)> {
+    let one = |text: &str| what(text, args, name);
+    let first = (FIRST.to_string(), one(""));
+    let others = args.variants.iter().map(|(name, text)| (name.clone(), one(text)));
+    std::iter::once(first).chain(others).collect()
+}
+
+fn what(text: &str, args: &BenchArgs, name: &str) -> What {
+    let rounded = [(":half", Floats::Half), (":mediump", Floats::Mediump)];
+    let found = rounded.iter().find_map(|(ending, floats)| {
+        text.strip_suffix(ending).map(|rest| (rest, *floats))
+    });
+    let (text, floats) = found.unwrap_or((text, Floats::AsWritten));
+    let (file, function) = match text.split_once('#') {
+        Some((file, function)) => (file, function),
+        None => (text, name),
+    };
+    let file = if file.is_empty() { args.subject.clone() } else { PathBuf::from(file) };
+    What { file, function: function.to_string(), floats }
+}
+
+fn make(
+    name: String,
+    what: What,
+    source: Source,
+    options: &Options,
+    request: &PureRequest,
+) -> Result<Made, Box<Refusal>> {
+    let What { function, floats, .. } = what;
+    let request = PureRequest { function, ..request.clone() };
+    let exact = Pure::new(&source, options, &request)?;
+    let rounded = match floats {
+        Floats::AsWritten => None,
+        Floats::Half | Floats::Mediump => {
+            Some(Pure::new(&source, options, &PureRequest { floats, ..request })?)
+        }
+    };
+    Ok(Made { name, floats, source, exact, rounded })
+}
+
+fn refused(
+    refusal: &Refusal,
+    style: &FindingStyle,
+    streams: &Streams,
+) -> Result<Option<Bench>, Failure> {
+    streams.report(&style.text(&refusal.found, &refusal.files));
+    Ok(None)
+}
+
+/// What was taken for what nobody gave, once each.
+fn notes(made: &[Made], streams: &Streams) {
+    let mut said: Vec<&String> = Vec::new();
+    for note in made.iter().flat_map(|one| &one.exact.notes) {
+        if !said.contains(&note) {
+            streams.notes(&format!("note: {note}\n"));
+            said.push(note);
+        }
+    }
+}
+
+fn readers(args: &BenchArgs) -> Vec<ReaderName> {
+    let all = ReaderName::ALL.iter().copied();
+    all.filter(|name| args.reader.is_empty() || args.reader.contains(name)).collect()
+}
+
+/// The variants by the evaluator.
+fn evaluated<'a>(variants: &'a [(&Made, Variant<'a>)], entries: &mut Entries<'a>) {
+    let runner = Runner::of(Cpu::default().device(), Clock::Processor);
+    for (made, variant) in variants {
+        match variant.judged() {
+            Ok((errors, work)) => entries.measured.push(Entry {
+                variant: made.name.clone(),
+                runner: runner.clone(),
+                workload: Box::new(Called::new(variant)),
+                errors,
+                permitted: variant.permitted(made.floats),
+                work,
+            }),
+            Err(reason) => entries.fail(&made.name, "cpu", reason),
+        }
+    }
 }

@@ -8,17 +8,16 @@ use landfall::accuracy::bench::clock::Clock;
 use landfall::accuracy::bench::compiled::Compiled;
 use landfall::accuracy::bench::scene::Stage;
 use landfall::accuracy::bench::shader::{Shader, Shared};
-use landfall::accuracy::bench::{Bench, Failed, Runner, Size};
+use landfall::accuracy::bench::{Bench, Runner, Size, Unit};
 use landfall::light::compiled::{Form, Gates};
 use landfall::light::reference::Model;
 use landfall::light::render::{Renderer, truth};
 use landfall::light::{Frame, Upload, skip};
-use landfall::run::eval::Cpu;
-use landfall::run::reader::{self, Reader};
 
-use super::{About, Entry, measured, rust, wrong};
+use super::{About, Entries, Entry, measured, rust, wrong};
 use crate::args::{BenchArgs, BenchFormat, ReaderName};
 use crate::output::{Failure, FindingForm, Streams};
+use crate::readers;
 use crate::render::asked::{Asked, Wanted, asked};
 
 /// What a variant is.
@@ -103,9 +102,9 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
         truth.push_str(&format!(", {name} by the model {model}"));
     }
     let size = Size { fragments: taken as u64, lights: stage.lights() };
-    let about = About { subject, truth, size };
-    let (entries, failed) = entries(args, &variants, &renderers, &stages);
-    Ok(Some(measured(about, entries, failed, args, streams)))
+    let about = About { subject, truth, unit: Unit::Fragment, size };
+    let entries = entries(args, &variants, &renderers, &stages);
+    Ok(Some(measured(about, entries, args, streams)))
 }
 
 /// What is said, or the scene's own shader and what is compiled in.
@@ -153,13 +152,8 @@ fn entries<'a>(
     variants: &'a [(String, What)],
     renderers: &'a [Option<Renderer>],
     stages: &[&'a Stage],
-) -> (Vec<Entry<'a>>, Vec<Failed>) {
-    let (mut entries, mut failed) = (Vec::new(), Vec::new());
-    let fail = |variant: &str, reader: &str, reason: String| Failed {
-        variant: variant.to_string(),
-        reader: reader.to_string(),
-        reason,
-    };
+) -> Entries<'a> {
+    let mut entries = Entries::default();
     for ((name, what), stage) in variants.iter().zip(stages) {
         let made = match what {
             What::Shader(_) => continue,
@@ -171,20 +165,22 @@ fn entries<'a>(
             Ok(compiled) => {
                 let (errors, work) = compiled.judged();
                 let (variant, workload) = (name.clone(), Box::new(compiled));
-                entries.push(Entry { variant, runner: rust(), workload, errors, work });
+                let (runner, permitted) = (rust(), None);
+                let entry = Entry { variant, runner, workload, errors, permitted, work };
+                entries.measured.push(entry);
             }
-            Err(reason) => failed.push(fail(name, "rust", reason)),
+            Err(reason) => entries.fail(name, "rust", reason),
         }
     }
     if renderers.iter().all(Option::is_none) {
-        return (entries, failed);
+        return entries;
     }
     let names = if args.reader.is_empty() { &ReaderName::ALL[..] } else { &args.reader };
     for reader in names {
-        let shared: Shared = match open(*reader, args.adapter.as_deref()) {
+        let shared: Shared = match readers::timed(*reader, args.adapter.as_deref()) {
             Ok(opened) => Rc::new(RefCell::new(opened)),
             Err(failure) => {
-                failed.push(fail("every shader", reader.name(), failure.message));
+                entries.fail("every shader", reader.name(), failure.message);
                 continue;
             }
         };
@@ -198,43 +194,13 @@ fn entries<'a>(
                 Ok((shader, (errors, work))) => {
                     let (variant, runner) = (name.clone(), runner.clone());
                     let workload = Box::new(shader);
-                    entries.push(Entry { variant, runner, workload, errors, work });
+                    let permitted = None;
+                    let entry = Entry { variant, runner, workload, errors, permitted, work };
+                    entries.measured.push(entry);
                 }
-                Err(reason) => failed.push(fail(name, reader.name(), reason)),
+                Err(reason) => entries.fail(name, reader.name(), reason),
             }
         }
     }
-    (entries, failed)
-}
-
-/// A reader in this process, whose processor time is then this process's.
-fn open(name: ReaderName, adapter: Option<&str>) -> Result<Box<dyn Reader>, reader::Failure> {
-    match name {
-        ReaderName::Cpu => Ok(Box::new(Cpu::default())),
-        ReaderName::Gl => gl(),
-        ReaderName::Gpu => gpu(adapter),
-    }
-}
-
-#[cfg(feature = "gl")]
-fn gl() -> Result<Box<dyn Reader>, reader::Failure> {
-    Ok(Box::new(landfall::run::gl::Gl::open()?))
-}
-
-#[cfg(not(feature = "gl"))]
-fn gl() -> Result<Box<dyn Reader>, reader::Failure> {
-    Err(reader::Failure::missing("this landfall was built without the feature `gl`", ""))
-}
-
-#[cfg(feature = "gpu")]
-fn gpu(adapter: Option<&str>) -> Result<Box<dyn Reader>, reader::Failure> {
-    use landfall::run::gpu::{Choice, Gpu};
-
-    let gpu = Gpu::open(&Choice { adapter: adapter.map(str::to_string) })?;
-    Ok(Box::new(gpu.timed()))
-}
-
-#[cfg(not(feature = "gpu"))]
-fn gpu(_adapter: Option<&str>) -> Result<Box<dyn Reader>, reader::Failure> {
-    Err(reader::Failure::missing("this landfall was built without the feature `gpu`", ""))
+    entries
 }
