@@ -22,6 +22,12 @@ pub(super) struct Farthest {
     pub unsure: bool,
 }
 
+/// The farthest from a truth in an interval.
+pub(super) fn off_from([low, high]: [f64; 2], truth: f64) -> f64 {
+    let off = (truth - low).abs().max((high - truth).abs());
+    if off.is_nan() { f64::INFINITY } else { off }
+}
+
 /// What is permitted in a lane around the truth of those floats; none where it is not known.
 pub(super) fn farthest(
     called: &PureCalled,
@@ -35,8 +41,7 @@ pub(super) fn farthest(
     for (&(nth, at), &truth) in floats.iter().zip(truth) {
         let [low, high] = called.results[nth].permitted.as_ref()?.get(at)?[lane];
         scale = scale.max(truth.abs());
-        let off = (truth - low).abs().max((high - truth).abs());
-        let off = if off.is_nan() { f64::INFINITY } else { off };
+        let off = off_from([low, high], truth);
         most.far = most.far.max(off);
         most.ulp = most.ulp.max(off / place(truth));
     }

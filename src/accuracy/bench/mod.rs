@@ -8,6 +8,7 @@
 
 pub mod clock;
 pub mod compiled;
+pub mod counted;
 mod errors;
 pub mod called;
 pub mod function;
@@ -19,6 +20,7 @@ mod rounds;
 pub mod scene;
 pub mod shader;
 mod spread;
+pub mod uploaded;
 
 pub use errors::{Errors, Results};
 pub use machine::Machine;

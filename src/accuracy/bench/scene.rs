@@ -52,6 +52,11 @@ impl Stage {
         Errors::of(colors, &self.truth)
     }
 
+    /// What the reference says of a fragment; none where that is undefined.
+    pub(super) fn truth(&self, fragment: usize) -> Option<[f64; 3]> {
+        self.truth.get(fragment).copied().flatten()
+    }
+
     /// The fragments of each material.
     pub fn by_material(&self) -> impl Iterator<Item = &[Fragment]> {
         self.frame.fragments.chunk_by(|a, b| a.material == b.material)

@@ -1,22 +1,18 @@
 //! A shader over a stage's fragments on a reader, as a workload.
 //!
-//! What is uploaded is made once before; a run is the jobs of [`fragments`](crate::run::fragments)
+//! What is uploaded is made once before ([`Uploaded`]); a run is the jobs of [`fragments`](crate::run::fragments)
 //! with their upload and read-back, of which a shader that only adds its inputs up has as much.
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::clock::{self, Took, took};
 use super::errors::Errors;
-use super::report::Work;
 use super::rounds::{Part, Workload};
-use super::scene::Stage;
+use super::uploaded::Uploaded;
 use crate::Options;
-use crate::light::bind::{Excess, Lit};
-use crate::light::render::tally::Tally;
-use crate::light::render::{self, Draw, Prepared, RenderError, Renderer};
-use crate::run::eval::{Cpu, Settings};
+use crate::light::render::Prepared;
 use crate::run::fragments::{FragmentShader, Input, InputKind};
 use crate::run::reader::Reader;
 use crate::source::Source;
@@ -24,107 +20,38 @@ use crate::source::Source;
 /// A reader that several workloads take turns with.
 pub type Shared = Rc<RefCell<Box<dyn Reader>>>;
 
-/// A shader over a stage's fragments.
+/// A shader over a stage's fragments, on a reader.
 pub struct Shader<'a> {
-    stage: &'a Stage,
-    renderer: &'a Renderer,
+    uploaded: &'a Uploaded<'a>,
     reader: Shared,
-    limit: Duration,
-    whole: Vec<Prepared>,
-    unlit: Option<Vec<Prepared>>,
     trivial: Option<(FragmentShader, Prepared)>,
-    /// Lights that a whole run evaluates at a fragment, and one without lights.
-    evaluated: [u64; 2],
 }
 
 impl<'a> Shader<'a> {
-    /// A shader by a reader, which has `limit` for a job.
-    ///
-    /// # Errors
-    /// The scene does not go into the shader.
-    pub fn new(
-        stage: &'a Stage,
-        renderer: &'a Renderer,
-        reader: Shared,
-        limit: Duration,
-    ) -> Result<Shader<'a>, RenderError> {
-        let [directional, point, spot] = renderer.lights(&stage.upload, Excess::Refuse)?;
-        let all = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let none = Lit { ambient: true, directional: &[], point: &[], spot: &[] };
-        let work = render::Work {
-            upload: &stage.upload,
-            frame: &stage.frame,
-            background: Default::default(),
-            limit,
-        };
-        let prepare = |lights: Lit<'_>| -> Result<Vec<Prepared>, RenderError> {
-            stage
-                .by_material()
-                .map(|fragments| {
-                    let fragments: Vec<_> = fragments.iter().collect();
-                    let draw = Draw { fragments: &[], lights, tiles: None };
-                    renderer.prepare(&work, &fragments, &draw)
-                })
-                .collect()
-        };
-        let evaluated = [renderer.evaluated(&all), renderer.evaluated(&none)];
-        let whole = prepare(all)?;
-        // A shader without counts evaluates lights of zeros.
-        let unlit = if evaluated[1] == 0 { Some(prepare(none)?) } else { None };
+    /// A shader by a reader.
+    pub fn new(uploaded: &'a Uploaded<'a>, reader: Shared) -> Shader<'a> {
         let is_gl = reader.borrow().device().reader == "gl";
-        let trivial = trivial(&renderer.shader, is_gl, stage.frame.fragments.len());
-        Ok(Shader { stage, renderer, reader, limit, whole, unlit, trivial, evaluated })
+        let fragments = uploaded.stage.frame.fragments.len();
+        let trivial = trivial(&uploaded.renderer.shader, is_gl, fragments);
+        Shader { uploaded, reader, trivial }
     }
 
-    /// What it gives, how far that is from the reference, and what it does for that.
+    /// How far what it gives is from the reference.
     ///
     /// # Errors
     /// What the reader says.
-    pub fn judged(&mut self) -> Result<(Errors, Work), String> {
-        let mut colors: Vec<[f32; 3]> = Vec::with_capacity(self.stage.frame.fragments.len());
-        for prepared in &self.whole {
+    pub fn judged(&mut self) -> Result<Errors, String> {
+        let Uploaded { stage, renderer, limit, whole, .. } = self.uploaded;
+        let mut colors: Vec<[f32; 3]> = Vec::with_capacity(stage.frame.fragments.len());
+        for prepared in whole {
             let mut reader = self.reader.borrow_mut();
-            let shaded = self
-                .renderer
+            let shaded = renderer
                 .shader
-                .run(reader.as_mut(), &prepared.batch(self.limit), |_, _| {})
+                .run(reader.as_mut(), &prepared.batch(*limit), |_, _| {})
                 .map_err(|failure| failure.message)?;
             colors.extend(shaded.colors.iter().map(|[r, g, b, _]| [*r, *g, *b]));
         }
-        let blocks = self.whole.iter().flat_map(|prepared| &prepared.blocks);
-        let work = Work {
-            evaluations: Some(self.evaluated[0] as f64),
-            slots: None,
-            powers: None,
-            operations: self.operations(),
-            bytes: Some(blocks.map(|block| block.len() as u64).sum()),
-        };
-        Ok((self.stage.errors(&colors), work))
-    }
-
-    /// Operations for a fragment, which the evaluator counts whoever is measured; of some
-    /// fragments where there are many.
-    fn operations(&self) -> Option<f64> {
-        const ENOUGH: usize = 4096;
-        let mut cpu = Cpu::new(Settings::default());
-        let (mut tally, mut fragments) = (Tally::default(), 0);
-        for prepared in &self.whole {
-            let share = (ENOUGH * prepared.count).div_ceil(self.stage.frame.fragments.len().max(1));
-            let stride = prepared.count.div_ceil(share.max(1)).max(1);
-            let inputs: Vec<Vec<[f32; 4]>> = prepared
-                .inputs
-                .iter()
-                .map(|values| values.iter().copied().step_by(stride).collect())
-                .collect();
-            let count = prepared.count.div_ceil(stride);
-            let some = Prepared { inputs, count, ..prepared.clone() };
-            let ran = self.renderer.shader.run(&mut cpu, &some.batch(self.limit), |cpu, _| {
-                tally.add(&cpu.notes);
-            });
-            ran.ok()?;
-            fragments += count;
-        }
-        (fragments > 0).then(|| tally.counts.operations() as f64 / fragments as f64)
+        Ok(stage.errors(&colors))
     }
 }
 
@@ -132,15 +59,16 @@ impl Workload for Shader<'_> {
     fn has(&self, part: Part) -> bool {
         match part {
             Part::Whole => true,
-            Part::Unlit => self.unlit.is_some(),
+            Part::Unlit => self.uploaded.unlit.is_some(),
             Part::Trivial => self.trivial.is_some(),
         }
     }
 
     fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
-        let shader = &self.renderer.shader;
-        let (shader, prepared): (_, &[Prepared]) = match (part, &self.unlit, &self.trivial) {
-            (Part::Whole, ..) => (shader, &self.whole),
+        let Uploaded { renderer, limit, whole, unlit, .. } = self.uploaded;
+        let shader = &renderer.shader;
+        let (shader, prepared): (_, &[Prepared]) = match (part, unlit, &self.trivial) {
+            (Part::Whole, ..) => (shader, whole),
             (Part::Unlit, Some(unlit), _) => (shader, unlit),
             (Part::Trivial, _, Some((shader, prepared))) => {
                 (shader, std::slice::from_ref(prepared))
@@ -154,7 +82,7 @@ impl Workload for Shader<'_> {
         for prepared in prepared {
             let mut began = Instant::now();
             shader
-                .run(reader.as_mut(), &prepared.batch(self.limit), |reader, _| {
+                .run(reader.as_mut(), &prepared.batch(*limit), |reader, _| {
                     own.push(took(reader, began));
                     began = Instant::now();
                 })

@@ -11,6 +11,7 @@ use landfall::accuracy::bench::{
 };
 use landfall::accuracy::plot::scatter;
 use landfall::emit::bench as print;
+use landfall::run::eval::Floats;
 
 use crate::args::{BenchArgs, BenchFormat};
 use crate::output::{Failure, Outcome, Streams};
@@ -102,6 +103,16 @@ fn measured(
     let About { subject, truth, unit, size: Size { fragments, lights } } = about;
     let machine = machine.after();
     Bench { subject, truth, unit, fragments, lights, machine, rows, failed }.ranked()
+}
+
+/// Why a driver has no such variant.
+const NO_HALF: &str = "only the evaluator rounds floats to f16";
+
+/// A variant's text without its ending, and what that says its floats are rounded to.
+fn rounded(text: &str) -> (&str, Floats) {
+    let endings = [(":half", Floats::Half), (":mediump", Floats::Mediump)];
+    let found = endings.iter().find_map(|(e, floats)| Some((text.strip_suffix(e)?, *floats)));
+    found.unwrap_or((text, Floats::AsWritten))
 }
 
 /// Who runs what is compiled into this program.

@@ -54,7 +54,7 @@ pub enum Excess {
 /// A binding map made ready to write many uploads.
 #[derive(Clone, Debug)]
 pub struct Filler {
-    writes: Vec<Write>,
+    pub(super) writes: Vec<Write>,
     /// Of each block, zeros; of one that ends in a runtime-sized array, none.
     blocks: Vec<Vec<u8>>,
     layouts: Vec<crate::BlockLayout>,
@@ -69,20 +69,20 @@ pub struct Filler {
 
 /// A leaf and what it is given.
 #[derive(Clone, Debug)]
-struct Write {
+pub(super) struct Write {
     key: String,
-    block: usize,
-    offset: usize,
+    pub block: usize,
+    pub offset: usize,
     /// Of the one array on the way.
-    stride: usize,
-    len: Len,
-    kind: ScalarKind,
-    rows: usize,
-    source: Source,
+    pub stride: usize,
+    pub len: Len,
+    pub kind: ScalarKind,
+    pub rows: usize,
+    pub source: Source,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Len {
+pub(super) enum Len {
     One,
     Fixed(usize),
     Runtime,

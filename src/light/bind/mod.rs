@@ -7,6 +7,7 @@
 
 mod fill;
 mod guess;
+mod mark;
 pub mod quantity;
 mod read;
 

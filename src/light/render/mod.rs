@@ -182,17 +182,27 @@ impl Renderer {
 
     /// Lights that the shader evaluates at a fragment: of a kind without a count, every slot.
     pub fn evaluated(&self, lit: &Lit<'_>) -> u64 {
-        let each = Kind::ALL.into_iter().map(|kind| {
-            let lights = match kind {
-                Kind::Directional => lit.directional.len(),
-                Kind::Point => lit.point.len(),
-                Kind::Spot => lit.spot.len(),
-            };
-            let slots = self.filler.slots(kind);
-            let counted = self.counts(kind) || slots == usize::MAX;
-            if counted { lights as u64 } else { slots as u64 }
-        });
-        each.sum()
+        Kind::ALL.into_iter().map(|kind| self.walked(kind, lit)).sum()
+    }
+
+    /// Slots of a kind that the shader looks at for a fragment, whether it evaluates what is in
+    /// them or not: of a kind without a count, every one.
+    pub fn walked(&self, kind: Kind, lit: &Lit<'_>) -> u64 {
+        let lights = match kind {
+            Kind::Directional => lit.directional.len(),
+            Kind::Point => lit.point.len(),
+            Kind::Spot => lit.spot.len(),
+        };
+        let slots = self.filler.slots(kind);
+        let counted = self.counts(kind) || slots == usize::MAX;
+        if counted { lights as u64 } else { slots as u64 }
+    }
+
+    /// The same with the colours of the light in a slot no numbers, so that fragments that it
+    /// reaches show it; none where the shader is given no colours of such lights.
+    pub fn marked(&self, prepared: &Prepared, kind: Kind, slot: usize) -> Option<Prepared> {
+        let mut marked = prepared.clone();
+        self.filler.mark(&mut marked.blocks, kind, slot).then_some(marked)
     }
 
     /// Whether the shader is told how many lights of a kind there are.

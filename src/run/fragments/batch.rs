@@ -110,7 +110,7 @@ impl FragmentShader {
         Ok(shaded)
     }
 
-    fn fits(&self, batch: &Batch<'_>) -> Result<(), Failure> {
+    pub(super) fn fits(&self, batch: &Batch<'_>) -> Result<(), Failure> {
         let check = |what: &str, wanted: usize, given: usize| match wanted == given {
             true => Ok(()),
             false => {
@@ -130,7 +130,7 @@ impl FragmentShader {
     }
 
     /// The inputs of some fragments, one below the other; the last fragment fills the last row.
-    fn pack(&self, batch: &Batch<'_>, from: usize, count: usize, width: usize) -> Image {
+    pub(super) fn pack(&self, batch: &Batch<'_>, from: usize, count: usize, width: usize) -> Image {
         let rows = count.div_ceil(width);
         let size = rows * width;
         let mut texels = Vec::with_capacity(size * batch.inputs.len().max(1));
@@ -147,7 +147,7 @@ impl FragmentShader {
     }
 
     /// What stays bound, by the places of the module.
-    fn for_module(&self, batch: &Batch<'_>) -> Vec<Resource> {
+    pub(super) fn for_module(&self, batch: &Batch<'_>) -> Vec<Resource> {
         let blocks = self.blocks().iter().zip(batch.blocks).map(|(block, bytes)| Resource {
             name: block.layout.name.to_string(),
             group: block.group,

@@ -8,6 +8,7 @@
 
 mod batch;
 mod module;
+mod permitted;
 mod text;
 
 use std::sync::Arc;
@@ -18,6 +19,7 @@ use crate::source::{Language, Source};
 use crate::{BlockLayout, Diagnostic, Options};
 
 pub use batch::{Batch, Image, Shaded};
+pub use permitted::Permitted;
 
 /// The texture that inputs are read from.
 const ATLAS: &str = "landfall_inputs";

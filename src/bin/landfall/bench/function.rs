@@ -13,7 +13,7 @@ use landfall::run::reader::Reader;
 use landfall::source::Source;
 use landfall::{Error, Options};
 
-use super::{About, Entries, Entry, measured, wrong};
+use super::{About, Entries, Entry, measured, rounded, wrong};
 use crate::args::{BenchArgs, BenchFormat, ReaderName};
 use crate::output::{Failure, FindingForm, FindingStyle, Streams};
 use crate::run::textures;
@@ -124,11 +124,7 @@ fn asked(args: &BenchArgs, name: &str) -> Vec<(String, What)> {
 }
 
 fn what(text: &str, args: &BenchArgs, name: &str) -> What {
-    let rounded = [(":half", Floats::Half), (":mediump", Floats::Mediump)];
-    let found = rounded.iter().find_map(|(ending, floats)| {
-        text.strip_suffix(ending).map(|rest| (rest, *floats))
-    });
-    let (text, floats) = found.unwrap_or((text, Floats::AsWritten));
+    let (text, floats) = rounded(text);
     let (file, function) = match text.split_once('#') {
         Some((file, function)) => (file, function),
         None => (text, name),

@@ -7,14 +7,18 @@ use std::rc::Rc;
 use landfall::accuracy::bench::clock::Clock;
 use landfall::accuracy::bench::compiled::Compiled;
 use landfall::accuracy::bench::scene::Stage;
+use landfall::accuracy::bench::counted;
 use landfall::accuracy::bench::shader::{Shader, Shared};
-use landfall::accuracy::bench::{Bench, Runner, Size, Unit};
+use landfall::accuracy::bench::uploaded::Uploaded;
+use landfall::accuracy::bench::{Bench, Permitted, Runner, Size, Unit, Work};
 use landfall::light::compiled::{Form, Gates};
 use landfall::light::reference::Model;
-use landfall::light::render::{Renderer, truth};
+use landfall::light::render::{RenderError, Renderer, truth};
 use landfall::light::{Frame, Upload, skip};
+use landfall::run::eval::{Cpu, Floats};
+use landfall::run::reader::Reader;
 
-use super::{About, Entries, Entry, measured, rust, wrong};
+use super::{About, Entries, Entry, NO_HALF, measured, rounded, rust, wrong};
 use crate::args::{BenchArgs, BenchFormat, ReaderName};
 use crate::output::{Failure, FindingForm, Streams};
 use crate::readers;
@@ -22,8 +26,8 @@ use crate::render::asked::{Asked, Wanted, asked};
 
 /// What a variant is.
 enum What {
-    /// A shader's file, or the scene's own.
-    Shader(Option<PathBuf>),
+    /// A shader's file, or the scene's own, and what its floats are rounded to.
+    Shader(Option<PathBuf>, Floats),
     /// Compiled in, without powers below that.
     Rust(Form, f64),
     /// Compiled in, by a plan.
@@ -65,7 +69,7 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
             None => None,
         });
         renderers.push(match what {
-            What::Shader(file) => {
+            What::Shader(file, _) => {
                 let Some(asked) = ask(file.clone(), None)? else { return Ok(None) };
                 match asked.renderer() {
                     Ok(renderer) => renderer,
@@ -103,7 +107,11 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
     }
     let size = Size { fragments: taken as u64, lights: stage.lights() };
     let about = About { subject, truth, unit: Unit::Fragment, size };
-    let entries = entries(args, &variants, &renderers, &stages);
+    let uploaded = renderers.iter().zip(&stages).map(|(renderer, stage)| {
+        renderer.as_ref().map(|renderer| Uploaded::new(stage, renderer, args.limit))
+    });
+    let uploaded: Vec<_> = uploaded.collect();
+    let entries = entries(args, &variants, &uploaded, &stages);
     Ok(Some(measured(about, entries, args, streams)))
 }
 
@@ -120,26 +128,32 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
             ("robust, powers from 1/8 step".to_string(), rust(Gates::ALL, 1.0 / 8.0 / 255.0)),
         ];
         if let Some(shader) = &own.shader {
-            all.push((shader.path.clone(), What::Shader(None)));
+            all.push((shader.path.clone(), What::Shader(None, Floats::AsWritten)));
         }
         return Ok(all);
     }
     let one = |(name, what): &(String, String)| {
         let what = match what.split_once(':') {
             Some(("rust", "seed")) => What::Rust(Form::Seed, 0.0),
+            Some(("rust", "ungated")) => rust(Gates::NONE, 0.0),
             Some(("rust", "robust")) => rust(Gates::ALL, 0.0),
             Some(("rust", form)) => {
                 let least = form.strip_prefix("robust=").and_then(|x| x.parse::<f64>().ok());
                 let least = least.filter(|least| (0.0..1.0).contains(least)).ok_or_else(|| {
                     wrong(name, format!("`{form}` is no form that is compiled in"))
-                        .with_help("forms are `seed`, `robust`, and `robust=POWER`, POWER below 1")
+                        .with_help("forms are `seed`, `robust`, `ungated`, and `robust=POWER`, POWER below 1")
                 })?;
                 rust(Gates::ALL, least)
             }
             Some(("plan", options)) => {
                 What::Plan(skip::parse(options).map_err(|error| wrong(name, error))?)
             }
-            _ => What::Shader(Some(PathBuf::from(what))),
+            _ => {
+                let (file, floats) = rounded(what);
+                // The scene's own, rounded.
+                let file = (!file.is_empty()).then(|| PathBuf::from(file));
+                What::Shader(file, floats)
+            }
         };
         Ok((name.clone(), what))
     };
@@ -150,13 +164,13 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
 fn entries<'a>(
     args: &BenchArgs,
     variants: &'a [(String, What)],
-    renderers: &'a [Option<Renderer>],
+    uploaded: &'a [Option<Result<Uploaded<'a>, RenderError>>],
     stages: &[&'a Stage],
 ) -> Entries<'a> {
     let mut entries = Entries::default();
     for ((name, what), stage) in variants.iter().zip(stages) {
         let made = match what {
-            What::Shader(_) => continue,
+            What::Shader(..) => continue,
             What::Rust(form, least) => Compiled::new(stage, *form, *least),
             What::Plan(options) => Compiled::new(stage, Form::Robust(Gates::ALL), 0.0)
                 .map(|compiled| compiled.by_plan(options)),
@@ -172,35 +186,75 @@ fn entries<'a>(
             Err(reason) => entries.fail(name, "rust", reason),
         }
     }
-    if renderers.iter().all(Option::is_none) {
+    if uploaded.iter().all(Option::is_none) {
         return entries;
+    }
+    let mut lit = Vec::new();
+    for ((name, what), uploaded) in variants.iter().zip(uploaded) {
+        let What::Shader(_, floats) = what else { continue };
+        match uploaded {
+            Some(Ok(uploaded)) => lit.push(Counted {
+                name,
+                uploaded,
+                floats: *floats,
+                work: counted::work(uploaded, *floats),
+                permitted: counted::permitted(uploaded, *floats),
+            }),
+            Some(Err(error)) => entries.fail(name, "every reader", error.to_string()),
+            None => {}
+        }
     }
     let names = if args.reader.is_empty() { &ReaderName::ALL[..] } else { &args.reader };
     for reader in names {
-        let shared: Shared = match readers::timed(*reader, args.adapter.as_deref()) {
-            Ok(opened) => Rc::new(RefCell::new(opened)),
-            Err(failure) => {
-                entries.fail("every shader", reader.name(), failure.message);
+        on_reader(args, *reader, &lit, &mut entries);
+    }
+    entries
+}
+
+/// A shader with what is known of it whoever runs it.
+struct Counted<'a> {
+    name: &'a str,
+    uploaded: &'a Uploaded<'a>,
+    floats: Floats,
+    work: Work,
+    permitted: Option<Permitted>,
+}
+
+/// The shaders on one reader, which they take turns with.
+fn on_reader<'a>(
+    args: &BenchArgs,
+    name: ReaderName,
+    lit: &[Counted<'a>],
+    entries: &mut Entries<'a>,
+) {
+    let shared: Shared = match readers::timed(name, args.adapter.as_deref()) {
+        Ok(opened) => Rc::new(RefCell::new(opened)),
+        Err(failure) => return entries.fail("every shader", name.name(), failure.message),
+    };
+    let runner = Runner::of(shared.borrow().device(), Clock::Processor);
+    for Counted { name: variant, uploaded, floats, work, permitted } in lit {
+        let shared = match (name, floats) {
+            (_, Floats::AsWritten) => Rc::clone(&shared),
+            (ReaderName::Cpu, Floats::Half | Floats::Mediump) => {
+                let cpu = Cpu::rounded(Default::default(), *floats);
+                Rc::new(RefCell::new(Box::new(cpu) as Box<dyn Reader>))
+            }
+            (ReaderName::Gl | ReaderName::Gpu, Floats::Half | Floats::Mediump) => {
+                entries.fail(variant, name.name(), NO_HALF);
                 continue;
             }
         };
-        let runner = Runner::of(shared.borrow().device(), Clock::Processor);
-        for (((name, _), renderer), stage) in variants.iter().zip(renderers).zip(stages) {
-            let Some(renderer) = renderer else { continue };
-            let made = Shader::new(stage, renderer, Rc::clone(&shared), args.limit)
-                .map_err(|error| error.to_string())
-                .and_then(|mut shader| shader.judged().map(|judged| (shader, judged)));
-            match made {
-                Ok((shader, (errors, work))) => {
-                    let (variant, runner) = (name.clone(), runner.clone());
-                    let workload = Box::new(shader);
-                    let permitted = None;
-                    let entry = Entry { variant, runner, workload, errors, permitted, work };
-                    entries.measured.push(entry);
-                }
-                Err(reason) => entries.fail(name, reader.name(), reason),
-            }
+        let mut shader = Shader::new(uploaded, shared);
+        match shader.judged() {
+            Ok(errors) => entries.measured.push(Entry {
+                variant: (*variant).to_string(),
+                runner: runner.clone(),
+                workload: Box::new(shader),
+                errors,
+                permitted: *permitted,
+                work: *work,
+            }),
+            Err(reason) => entries.fail(variant, name.name(), reason),
         }
     }
-    entries
 }
