@@ -28,6 +28,7 @@ pub mod reader;
 pub mod reflection;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 pub mod remote;
+mod rewrite;
 pub mod spirv;
 pub mod verify;
 mod wgsl;

@@ -5,6 +5,7 @@
 
 mod arguments;
 mod caller;
+pub mod driven;
 mod driver;
 mod find;
 pub mod pure;

@@ -60,11 +60,22 @@ pub struct Pure {
     /// The language the shader is written in.
     pub language: Language,
     program: Program,
-    resources: Vec<Resource>,
+    pub(super) resources: Vec<Resource>,
     /// By parameter of the caller: which of ours, or what stands there.
-    slots: Vec<Slot>,
+    pub(super) slots: Vec<Slot>,
     /// Data that was given, for repeating a call.
-    data: Data,
+    pub(super) data: Data,
+    /// Colours of textures that were given.
+    pub(super) textures: Vec<(String, [f32; 4])>,
+    /// The module; its last function is the caller.
+    pub(super) module: Module,
+    /// The function as its text declares it.
+    pub(super) info: FunctionInfo,
+    /// The inputs of the stage, which the caller takes first, whether they are read or not.
+    pub(super) inputs: Vec<(String, ValueType)>,
+    /// The text, and how it is read: a driver may have a compiler of its own.
+    pub(super) source: Source,
+    pub(super) options: Options,
 }
 
 /// Something the function reads.
@@ -78,6 +89,8 @@ pub struct PureParameter {
     pub ty: ValueType,
     /// The way to each of its scalars, and what the scalar is in the text.
     pub scalars: Vec<String>,
+    /// Of a member of a block: which of the module's.
+    pub(super) block: Option<usize>,
 }
 
 /// Where a parameter comes from.
@@ -99,11 +112,11 @@ pub struct PureResult {
     /// What it is.
     pub ty: ValueType,
     /// The parameter of the caller it is left in; none for what is returned.
-    at: Option<usize>,
+    pub(super) at: Option<usize>,
 }
 
 #[derive(Clone, Debug)]
-enum Slot {
+pub(super) enum Slot {
     /// Parameters of ours, one after the other.
     Given(Vec<usize>),
     /// Zeros, as many.
@@ -139,7 +152,7 @@ impl Pure {
         let files = module.files().clone();
         let refused =
             |found: Diagnostic| Box::new(Refusal { found: vec![found], files: files.clone() });
-        make(source, module, request).map_err(|found| refused(*found))
+        make(source, options, module, request).map_err(|found| refused(*found))
     }
 
     /// Calls it over lanes: the words of each scalar of all parameters, in order.
@@ -244,6 +257,7 @@ impl Pure {
 
 fn make(
     source: &Source,
+    options: &Options,
     mut module: Module,
     request: &PureRequest,
 ) -> Result<Pure, Box<Diagnostic>> {
@@ -260,7 +274,7 @@ fn make(
         refuse("cannot-call", format!("`{shown}` cannot be stressed: {what}"), help)
     };
     let ir = &module.ir;
-    let reached = reach::variables(ir, info.handle);
+    let mut reached = reach::variables(ir, info.handle);
     let seen = look(ir, info.handle);
     if seen.derivatives {
         return Err(cannot(
@@ -289,6 +303,7 @@ fn make(
     let Caller { mut module, inputs } =
         caller::caller(&module, info.handle).map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let number = module.ir.functions.len() - 1;
+    through_initialisers(&module.ir, &mut reached);
     let base = inputs.len();
     let mut notes = Vec::new();
     // Which blocks become parameters.
@@ -417,7 +432,8 @@ fn make(
                 let path = named.map_or(member.clone(), |name| format!("{name}.{member}"));
                 let origin = Origin::Block(block.name.to_string(), member.clone());
                 all.push(parameters.len());
-                parameters.push(plain(path, origin, ty.clone()));
+                let block = Some(*nth);
+                parameters.push(PureParameter { block, ..plain(path, origin, ty.clone()) });
             }
             slots.push(Slot::Given(all));
         } else {
@@ -426,6 +442,8 @@ fn make(
             slots.push(Slot::Out);
         }
     }
+    let given = inputs.into_iter().zip(&signature.parameters);
+    let given = given.map(|(name, parameter)| (name, parameter.ty.clone())).collect();
     if let Some(ty) = signature.result {
         results.insert(0, PureResult { name: "result".to_string(), ty, at: None });
     }
@@ -438,11 +456,9 @@ fn make(
     for at in 0..parameters.len() {
         let twice = parameters.iter().filter(|p| p.path == parameters[at].path).count() > 1;
         if let (true, Origin::Block(block, member)) = (twice, parameters[at].origin.clone()) {
-            parameters[at] = plain(
-                format!("{block}.{member}"),
-                Origin::Block(block, member),
-                parameters[at].ty.clone(),
-            );
+            let (ty, number) = (parameters[at].ty.clone(), parameters[at].block);
+            let made = plain(format!("{block}.{member}"), Origin::Block(block, member), ty);
+            parameters[at] = PureParameter { block: number, ..made };
         }
     }
     let white: Vec<&str> = module
@@ -469,12 +485,18 @@ fn make(
         resources,
         slots,
         data: request.data.clone(),
+        textures: request.textures.clone(),
+        module,
+        info,
+        inputs: given,
+        source: source.clone(),
+        options: options.clone(),
     })
 }
 
 fn plain(path: String, origin: Origin, ty: ValueType) -> PureParameter {
     let scalars = arguments::paths(&ty).into_iter().map(|rest| format!("{path}{rest}")).collect();
-    PureParameter { path, origin, ty, scalars }
+    PureParameter { path, origin, ty, scalars, block: None }
 }
 
 /// The function of that name; an entry point of WGSL as a function.
@@ -606,6 +628,38 @@ fn look(ir: &naga::Module, target: Handle<Function>) -> Seen {
         }
     }
     seen
+}
+
+/// Adds what variables begin with: initialisers are run before the call, by the caller, which is
+/// the last function. All that is read there, where one of them is for a variable that is reached.
+fn through_initialisers(ir: &naga::Module, reached: &mut FxHashSet<Handle<GlobalVariable>>) {
+    let Some((_, caller)) = ir.functions.iter().last() else { return };
+    let (mut written, mut called) = (FxHashSet::default(), Vec::new());
+    let mut blocks = vec![&caller.body];
+    while let Some(block) = blocks.pop() {
+        for statement in block {
+            match statement {
+                Statement::Store { pointer, .. } => written.extend(root(caller, *pointer)),
+                Statement::Call { function, .. } => called.push(*function),
+                Statement::Block(inner) => blocks.push(inner),
+                Statement::If { accept, reject, .. } => blocks.extend([accept, reject]),
+                Statement::Switch { cases, .. } => blocks.extend(cases.iter().map(|c| &c.body)),
+                Statement::Loop { body, continuing, .. } => blocks.extend([body, continuing]),
+                _ => {}
+            }
+        }
+    }
+    // The last call is the one that is meant.
+    called.pop();
+    if written.is_disjoint(reached) {
+        return;
+    }
+    let read = caller.expressions.iter().filter_map(|(_, expression)| match expression {
+        Expression::Load { pointer } => root(caller, *pointer),
+        _ => None,
+    });
+    reached.extend(read);
+    called.into_iter().for_each(|function| reached.extend(reach::variables(ir, function)));
 }
 
 fn is_pointer(ir: &naga::Module, function: &Function, at: Handle<Expression>) -> bool {
