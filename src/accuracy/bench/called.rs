@@ -4,9 +4,10 @@
 //! computes nothing.
 
 use std::hint::black_box;
+use std::time::Duration;
 
 use super::clock::Took;
-use super::errors::Errors;
+use super::errors::{Errors, Results};
 use super::function::{Calls, Kinds};
 use super::kernel::kernel;
 use super::report::{Permitted, Work};
@@ -25,6 +26,8 @@ pub struct Variant<'a> {
     pure: &'a Pure,
     kinds: Kinds,
     columns: Vec<Vec<u64>>,
+    /// What is subtracted.
+    trivial: Option<Pure>,
 }
 
 impl<'a> Variant<'a> {
@@ -52,7 +55,29 @@ impl<'a> Variant<'a> {
                 return Err(message);
             }
         }
-        Ok(Variant { calls, pure, kinds, columns })
+        Ok(Variant { calls, pure, kinds, columns, trivial: kernel(pure) })
+    }
+
+    pub(super) fn pure(&self) -> &'a Pure {
+        self.pure
+    }
+
+    pub(super) fn trivial(&self) -> Option<&Pure> {
+        self.trivial.as_ref()
+    }
+
+    pub(super) fn kinds(&self) -> &Kinds {
+        &self.kinds
+    }
+
+    /// What each call should give; none where that is undefined.
+    pub(super) fn truth(&self) -> &'a [Option<Results>] {
+        self.calls.truth()
+    }
+
+    /// The words of each scalar, the calls of a run, and how long a job may take.
+    pub(super) fn given(&self) -> (&[Vec<u64>], usize, Duration) {
+        (&self.columns, self.calls.count(), self.calls.limit())
     }
 
     /// What the evaluator gives, how far that is from the truth, and its work.
@@ -60,7 +85,7 @@ impl<'a> Variant<'a> {
     /// # Errors
     /// It does not end, or does what the evaluator does not know.
     pub fn judged(&self) -> Result<(Errors, Work), String> {
-        let Variant { calls, pure, kinds, columns } = self;
+        let Variant { calls, pure, kinds, columns, .. } = self;
         let settings = calls.settings(Precision::Single);
         let called =
             pure.call(columns, calls.count(), &settings).map_err(|failure| failure.message)?;
@@ -91,7 +116,7 @@ impl<'a> Variant<'a> {
             Floats::AsWritten => {}
             Floats::Half | Floats::Mediump => return None,
         }
-        let Variant { calls, pure, kinds, columns } = self;
+        let Variant { calls, pure, kinds, columns, .. } = self;
         let stride = calls.count().div_ceil(LOOKED_AT).max(1);
         let lanes: Vec<usize> = (0..calls.count()).step_by(stride).collect();
         let columns: Vec<Vec<u64>> =
@@ -114,14 +139,12 @@ impl<'a> Variant<'a> {
 #[derive(Debug)]
 pub struct Called<'a> {
     variant: &'a Variant<'a>,
-    /// What is subtracted, and the words it is given.
-    trivial: Option<Pure>,
 }
 
 impl<'a> Called<'a> {
     /// A variant as a workload.
     pub fn new(variant: &'a Variant<'a>) -> Called<'a> {
-        Called { variant, trivial: kernel(variant.pure) }
+        Called { variant }
     }
 }
 
@@ -130,13 +153,13 @@ impl Workload for Called<'_> {
         match part {
             Part::Whole => true,
             Part::Unlit => false,
-            Part::Trivial => self.trivial.is_some(),
+            Part::Trivial => self.variant.trivial.is_some(),
         }
     }
 
     fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
-        let Variant { calls, pure, columns, .. } = self.variant;
-        let pure = match (part, &self.trivial) {
+        let Variant { calls, pure, columns, trivial, .. } = self.variant;
+        let pure = match (part, trivial) {
             (Part::Whole, _) => *pure,
             (Part::Trivial, Some(trivial)) => trivial,
             (Part::Trivial, None) | (Part::Unlit, _) => {

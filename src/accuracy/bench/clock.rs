@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use crate::run::processor;
-use crate::run::reader::Reader;
+use crate::run::reader::{Answer, Device, Failure, Job, Reader};
 
 /// What was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -44,19 +44,45 @@ pub struct Took {
     pub clock: Clock,
 }
 
-/// How long a reader worked at the last job, which began then and has just ended; none where it
-/// worked in this process, whose own clock says it.
-///
-/// A device that computes on a processor is not asked for timestamps: the processor's time says
-/// more.
-pub fn took(reader: &dyn Reader, began: Instant) -> Option<Took> {
-    if reader.device().software {
-        return reader.processor_time().map(|time| Took { time, clock: Clock::Processor });
+/// A reader that adds up how long its jobs take.
+pub struct Stopwatch<'r> {
+    reader: &'r mut dyn Reader,
+    took: Vec<Option<Took>>,
+}
+
+impl<'r> Stopwatch<'r> {
+    /// A reader that has run nothing yet.
+    pub fn new(reader: &'r mut dyn Reader) -> Stopwatch<'r> {
+        Stopwatch { reader, took: Vec::new() }
     }
-    Some(match reader.device_time() {
-        Some(time) => Took { time, clock: Clock::Device },
-        None => Took { time: began.elapsed(), clock: Clock::Elapsed },
-    })
+
+    /// How long it worked; none where it did so in this process, whose own clock says it.
+    pub fn took(&self) -> Option<Took> {
+        sum(self.took.iter().copied())
+    }
+}
+
+impl Reader for Stopwatch<'_> {
+    fn device(&self) -> &Device {
+        self.reader.device()
+    }
+
+    /// A device that computes on a processor is not asked for timestamps: the processor's time
+    /// says more.
+    fn run(&mut self, job: &Job) -> Result<Answer, Failure> {
+        let began = Instant::now();
+        let answer = self.reader.run(job)?;
+        let own = match (self.reader.device().software, self.reader.device_time()) {
+            (true, _) => {
+                let time = self.reader.processor_time();
+                time.map(|time| Took { time, clock: Clock::Processor })
+            }
+            (false, Some(time)) => Some(Took { time, clock: Clock::Device }),
+            (false, None) => Some(Took { time: began.elapsed(), clock: Clock::Elapsed }),
+        };
+        self.took.push(own);
+        Ok(answer)
+    }
 }
 
 /// Times of one after the other; none as soon as one is none, or of another clock.

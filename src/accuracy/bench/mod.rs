@@ -9,6 +9,7 @@
 pub mod clock;
 pub mod compiled;
 pub mod counted;
+pub mod driven;
 mod errors;
 pub mod called;
 pub mod function;

@@ -5,9 +5,8 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::time::Instant;
 
-use super::clock::{self, Took, took};
+use super::clock::{Stopwatch, Took};
 use super::errors::Errors;
 use super::rounds::{Part, Workload};
 use super::uploaded::Uploaded;
@@ -78,17 +77,13 @@ impl Workload for Shader<'_> {
             }
         };
         let mut reader = self.reader.borrow_mut();
-        let mut own = Vec::new();
+        let mut watched = Stopwatch::new(reader.as_mut());
         for prepared in prepared {
-            let mut began = Instant::now();
             shader
-                .run(reader.as_mut(), &prepared.batch(*limit), |reader, _| {
-                    own.push(took(reader, began));
-                    began = Instant::now();
-                })
+                .run(&mut watched, &prepared.batch(*limit), |_, _| {})
                 .map_err(|failure| failure.message)?;
         }
-        Ok(clock::sum(own))
+        Ok(watched.took())
     }
 }
 

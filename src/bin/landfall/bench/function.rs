@@ -1,11 +1,15 @@
 //! Variants of one function, called with values like those of scenes.
 
+use std::cell::RefCell;
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use landfall::accuracy::bench::called::{Called, Variant};
 use landfall::accuracy::bench::clock::Clock;
+use landfall::accuracy::bench::driven::OnDriver;
 use landfall::accuracy::bench::function::{Calls, Sampling};
-use landfall::accuracy::bench::{Bench, Runner, Size, Unit};
+use landfall::accuracy::bench::shader::Shared;
+use landfall::accuracy::bench::{Bench, Errors, Permitted, Runner, Size, Unit, Work};
 use landfall::run::call::Refusal;
 use landfall::run::call::pure::{Pure, PureRequest};
 use landfall::run::eval::{Cpu, Floats};
@@ -13,11 +17,11 @@ use landfall::run::reader::Reader;
 use landfall::source::Source;
 use landfall::{Error, Options};
 
-use super::{About, Entries, Entry, measured, rounded, wrong};
+use super::{About, Entries, Entry, NO_HALF, measured, rounded, wrong};
 use crate::args::{BenchArgs, BenchFormat, ReaderName};
 use crate::output::{Failure, FindingForm, FindingStyle, Streams};
 use crate::run::textures;
-use crate::{data, read};
+use crate::{data, read, readers};
 
 /// The name of the function the bench is of.
 const FIRST: &str = "as it is";
@@ -45,6 +49,15 @@ impl Made {
     fn pure(&self) -> &Pure {
         self.rounded.as_ref().unwrap_or(&self.exact)
     }
+}
+
+/// A variant with what is known of it whoever calls it.
+struct Known<'a> {
+    made: &'a Made,
+    variant: Variant<'a>,
+    /// Errors and work of the evaluator, or why it gives nothing.
+    evaluated: Result<(Errors, Work), String>,
+    permitted: Option<Permitted>,
 }
 
 pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<Bench>, Failure> {
@@ -90,16 +103,20 @@ pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<B
     };
     let mut variants = Vec::new();
     for one in &made {
-        match Variant::new(&calls, &first.exact, one.pure()) {
-            Ok(variant) => variants.push((one, variant)),
-            Err(reason) => return Err(wrong(&one.name, reason).into()),
-        }
+        let variant = Variant::new(&calls, &first.exact, one.pure());
+        let variant = variant.map_err(|reason| wrong(&one.name, reason))?;
+        variants.push(Known {
+            made: one,
+            evaluated: variant.judged(),
+            permitted: variant.permitted(one.floats),
+            variant,
+        });
     }
     let mut entries = Entries::default();
-    for reader in readers(args) {
+    for reader in asked_readers(args) {
         match reader {
-            ReaderName::Cpu => evaluated(&variants, &mut entries),
-            ReaderName::Gl | ReaderName::Gpu => {}
+            ReaderName::Cpu => on_evaluator(&variants, &mut entries),
+            ReaderName::Gl | ReaderName::Gpu => on_driver(args, reader, &variants, &mut entries),
         }
     }
     let whose = match truth {
@@ -172,25 +189,60 @@ fn notes(made: &[Made], streams: &Streams) {
     }
 }
 
-fn readers(args: &BenchArgs) -> Vec<ReaderName> {
+fn asked_readers(args: &BenchArgs) -> Vec<ReaderName> {
     let all = ReaderName::ALL.iter().copied();
     all.filter(|name| args.reader.is_empty() || args.reader.contains(name)).collect()
 }
 
+/// The variants by a driver, which they take turns with.
+fn on_driver<'a>(
+    args: &BenchArgs,
+    name: ReaderName,
+    variants: &'a [Known<'a>],
+    entries: &mut Entries<'a>,
+) {
+    let shared: Shared = match readers::timed(name, args.adapter.as_deref()) {
+        Ok(opened) => Rc::new(RefCell::new(opened)),
+        Err(failure) => return entries.fail("every function", name.name(), failure.message),
+    };
+    let runner = Runner::of(shared.borrow().device(), Clock::Processor);
+    for Known { made, variant, evaluated, permitted } in variants {
+        if made.floats != Floats::AsWritten {
+            entries.fail(&made.name, name.name(), NO_HALF);
+            continue;
+        }
+        let ran = OnDriver::new(variant, Rc::clone(&shared))
+            .map_err(|failure| failure.message)
+            .and_then(|driven| Ok((driven.judged()?, driven)));
+        match ran {
+            Ok((errors, driven)) => entries.measured.push(Entry {
+                variant: made.name.clone(),
+                runner: runner.clone(),
+                workload: Box::new(driven),
+                errors,
+                permitted: *permitted,
+                // Counted by the evaluator, whoever is measured.
+                work: evaluated.as_ref().map(|(_, work)| *work).unwrap_or_default(),
+            }),
+            Err(reason) => entries.fail(&made.name, name.name(), reason),
+        }
+    }
+}
+
 /// The variants by the evaluator.
-fn evaluated<'a>(variants: &'a [(&Made, Variant<'a>)], entries: &mut Entries<'a>) {
+fn on_evaluator<'a>(variants: &'a [Known<'a>], entries: &mut Entries<'a>) {
     let runner = Runner::of(Cpu::default().device(), Clock::Processor);
-    for (made, variant) in variants {
-        match variant.judged() {
+    for Known { made, variant, evaluated, permitted } in variants {
+        match evaluated {
             Ok((errors, work)) => entries.measured.push(Entry {
                 variant: made.name.clone(),
                 runner: runner.clone(),
                 workload: Box::new(Called::new(variant)),
-                errors,
-                permitted: variant.permitted(made.floats),
-                work,
+                errors: *errors,
+                permitted: *permitted,
+                work: *work,
             }),
-            Err(reason) => entries.fail(&made.name, "cpu", reason),
+            Err(reason) => entries.fail(&made.name, "cpu", reason.as_str()),
         }
     }
 }
