@@ -7,8 +7,8 @@ use std::time::Duration;
 use landfall::accuracy::bench::clock::{Clock, Took};
 use landfall::accuracy::bench::rank::{better, dominated};
 use landfall::accuracy::bench::{
-    Bench, BenchRow, Errors, Failed, Machine, Part, Rounds, Runner, Samples, Size, Spread, Work,
-    Workload, drawing, measure,
+    Bench, BenchRow, Errors, Failed, Machine, Part, Permitted, Results, Rounds, Runner, Samples,
+    Size, Spread, Unit, Work, Workload, drawing, measure,
 };
 use landfall::emit::bench as print;
 
@@ -143,17 +143,38 @@ fn better_is_not_worse_in_any_column_and_better_in_one() {
     assert!(!better(&rough, &fast) && !better(&fast, &rough), "one is faster, one more exact");
     assert!(!better(&fast, &fast), "no variant is better than itself");
     // Each other column alone undoes it.
-    let worse: [fn(&mut BenchRow); 5] = [
+    let worse: [fn(&mut BenchRow); 13] = [
         |row| row.errors.p999_steps *= 1.01,
-        |row| row.errors.flips = 40,
+        |row| row.errors.max_ulp = Some(9.0),
+        |row| row.errors.p999_ulp = Some(5.0),
+        |row| row.permitted = Some(Permitted { max_steps: Some(2.5), ..PERMITTED }),
+        |row| row.permitted = Some(Permitted { max_steps: None, ..PERMITTED }),
+        |row| row.permitted = Some(Permitted { p999_steps: Some(1.5), ..PERMITTED }),
+        |row| row.permitted = Some(Permitted { unsure: 1, ..PERMITTED }),
+        |row| row.errors.flips = Some(40),
+        |row| row.errors.differing = Some(1),
         |row| row.errors.non_finite = 1,
+        |row| row.work.slots = Some(9.0),
         |row| row.work.evaluations = Some(7.0),
         |row| row.work.bytes = Some(41),
     ];
     for (i, make) in worse.into_iter().enumerate() {
         let (mut slow, mut fast) = (slow.clone(), fast.clone());
-        slow.work = Work { evaluations: Some(6.0), bytes: Some(40), ..Work::default() };
-        fast.work = slow.work;
+        slow.work = Work {
+            evaluations: Some(6.0),
+            slots: Some(8.0),
+            bytes: Some(40),
+            ..Work::default()
+        };
+        slow.errors = Errors {
+            max_ulp: Some(8.0),
+            p999_ulp: Some(4.0),
+            flips: Some(0),
+            differing: Some(0),
+            ..slow.errors
+        };
+        slow.permitted = Some(PERMITTED);
+        (fast.work, fast.errors, fast.permitted) = (slow.work, slow.errors, slow.permitted);
         assert!(better(&fast, &slow));
         make(&mut fast);
         assert!(!better(&fast, &slow), "column {i}");
@@ -169,7 +190,7 @@ fn differences_within_the_spread_are_none() {
     // One of three more flips could be by chance, one of three hundred more could not.
     let flips = |flips| {
         let mut row = a.clone();
-        row.errors.flips = flips;
+        row.errors.flips = Some(flips);
         row
     };
     assert!(!better(&flips(2), &flips(3)));
@@ -221,11 +242,42 @@ fn errors_are_those_of_defined_fragments_and_numbers() {
     let errors = Errors::of(&colors, &truth);
     assert_eq!((errors.undefined, errors.non_finite, errors.channels), (1, 1, 6));
     assert!((errors.max_steps - 2.0).abs() < 1e-5);
-    assert_eq!(errors.flips, 1);
+    assert_eq!(errors.flips, Some(1));
     // sRGB is steeper than 1 there: 0.25 is 137.4, 0.25 + 2/255 is 139.3.
-    assert_eq!(errors.max_code, 2);
-    assert_eq!(Errors::of(&[], &[]), Errors::default());
+    assert_eq!(errors.max_code, Some(2));
+    let none = Errors { flips: Some(0), max_code: Some(0), ..Errors::default() };
+    assert_eq!(Errors::of(&[], &[]), none);
 }
+
+#[test]
+fn errors_of_calls_are_in_units_of_the_last_place_too() {
+    let of = |floats: &[f64]| Results { floats: floats.to_vec(), ..Results::default() };
+    let whole = |n: u64| Results { wholes: vec![n], ..of(&[1.0]) };
+    // 1 + 2^-23 is the next f32 above 1; 3/1000 of 1000 is 0.765 steps of a full scale of 1000.
+    let next = f64::from(1.0f32.next_up());
+    let found = Errors::of_calls(
+        [
+            (of(&[next, 0.0]), Some(of(&[1.0, 0.0]))),
+            (of(&[1003.0]), Some(of(&[1000.0]))),
+            (of(&[f64::NAN]), Some(of(&[1.0]))),
+            (Results { missing: true, ..of(&[0.0]) }, Some(of(&[0.0]))),
+            (of(&[5.0]), None),
+        ]
+        .into_iter(),
+    );
+    assert_eq!((found.channels, found.non_finite, found.undefined), (3, 2, 1));
+    assert!((found.max_steps - 0.765).abs() < 1e-9, "{found:?}");
+    // A unit of the last place of 1000 is 2^-14.
+    assert_eq!(found.max_ulp, Some(3.0 * 16384.0));
+    assert_eq!((found.flips, found.differing), (None, None));
+    let one = Errors::of_calls([(of(&[next]), Some(of(&[1.0])))].into_iter());
+    assert_eq!((one.max_ulp, one.p999_ulp), (Some(1.0), Some(1.0)));
+    let wholes = [(whole(1), Some(whole(2))), (whole(3), Some(whole(3)))];
+    assert_eq!(Errors::of_calls(wholes.into_iter()).differing, Some(1));
+}
+
+const PERMITTED: Permitted =
+    Permitted { max_steps: Some(2.0), p999_steps: Some(1.0), unsure: 0, samples: 100 };
 
 fn bench() -> Bench {
     let mut rows = vec![
@@ -234,17 +286,23 @@ fn bench() -> Bench {
         row("zeros", "gpu", &[30.0, 31.0, 32.0, 30.0], 0.0),
     ];
     rows[1].work = Work {
-        evaluations: Some(6.0),
+        evaluations: Some(5.38),
+        slots: Some(6.0),
         powers: Some(1.29),
         operations: Some(540.25),
         bytes: Some(6148),
     };
+    rows[1].errors = Errors { flips: Some(7), max_code: Some(1), ..rows[1].errors };
+    rows[1].permitted = Some(PERMITTED);
+    rows[2].permitted = Some(Permitted { max_steps: None, unsure: 3, ..PERMITTED });
+    rows[2].errors = Errors { max_ulp: Some(3.5), differing: Some(2), ..rows[2].errors };
     rows[2].errors.non_finite = 100;
     rows[2].light = None;
     rows[2].light_rounds = None;
     Bench {
         subject: "six lights".to_string(),
         truth: "the reference in f64".to_string(),
+        unit: Unit::Fragment,
         fragments: 243_037,
         lights: 6,
         machine: Machine::here().after(),
@@ -274,6 +332,9 @@ fn json_comes_back_as_it_was() {
     let mut odd = value.clone();
     odd["rows"][0]["errors"]["flips"] = serde_json::json!(-1);
     assert!(!validator.is_valid(&odd));
+    let mut odd = value.clone();
+    odd["rows"][1]["permitted"]["samples"] = serde_json::Value::Null;
+    assert!(!validator.is_valid(&odd));
 }
 
 #[test]
@@ -296,6 +357,12 @@ fn csv_has_every_number_in_full() {
         assert_eq!(number("ns_per_light_min"), row.light.map(|spread| spread.min));
         assert_eq!(number("err_max_steps"), Some(row.errors.max_steps));
         assert_eq!(number("evaluations"), row.work.evaluations);
+        assert_eq!(number("slots"), row.work.slots);
+        assert_eq!(number("err_max_ulp"), row.errors.max_ulp);
+        // What may be anything is more than any number.
+        let permitted = row.permitted.map(|p| p.max_steps.unwrap_or(f64::INFINITY));
+        assert_eq!(number("permitted_max_steps"), permitted);
+        assert_eq!(number("differing"), row.errors.differing.map(|n| n as f64));
         assert_eq!(number("bytes"), row.work.bytes.map(|n| n as f64));
         assert_eq!(number("non_finite"), Some(row.errors.non_finite as f64));
         assert_eq!(at(line, "dominated_by"), row.dominated_by.join(" "));
@@ -351,10 +418,10 @@ fn the_processor_clock_counts_threads_that_ended() {
     };
     let start = Start::now();
     std::thread::spawn(work).join().unwrap();
-    let (busy, clock) = start.passed();
+    let Took { time: busy, clock } = start.passed();
     let start = Start::now();
     std::thread::sleep(Duration::from_millis(30));
-    let (idle, _) = start.passed();
+    let Took { time: idle, .. } = start.passed();
     assert_eq!(clock, Clock::Processor);
     // Others may have had the processor for most of those 30 ms, and other tests run beside.
     assert!(busy > Duration::from_millis(1), "{busy:?} {idle:?}");

@@ -74,6 +74,10 @@ fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
         let shader = row("shader", reader);
         assert!(shader.errors.max_steps < 0.01, "{:?}", shader.errors);
         assert!(shader.work.operations.is_some_and(|n| n > 100.0), "{:?}", shader.work);
+        // What any device may do is more than what one does.
+        let permitted = shader.permitted.and_then(|permitted| permitted.max_steps);
+        assert!(permitted.is_some_and(|most| most > shader.errors.max_steps), "{shader:?}");
+        assert_eq!(shader.work.evaluations, Some(6.0));
         assert!(shader.work.bytes.is_some_and(|n| n > 100));
         assert!(shader.subtracted);
     }
@@ -93,6 +97,35 @@ fn lights_of_a_shader_that_counts_them_cost_a_slope() {
     assert!(shader.light.is_some_and(|spread| spread.median > 0.0), "{shader:?}");
     // Far below 128 slots: only lights in use are evaluated.
     assert!(shader.work.evaluations.is_some_and(|n| n < 10.0), "{:?}", shader.work);
+}
+
+#[test]
+fn a_light_that_is_skipped_is_not_evaluated() {
+    let shader = "shader=shaders/six_lights/phong_450.frag";
+    let found =
+        bench(&[SCENE, "--reader", "cpu", "--variant", shader, "--variant", "rust=rust:robust"]);
+    let work = |reader: &str| {
+        found.rows.iter().find(|row| row.runner.reader == reader).unwrap().work
+    };
+    // Both skip lights that a fragment faces away from; Rust counts what it computes, of the
+    // shader it is seen by marking lights.
+    let (shader, rust) = (work("cpu"), work("rust"));
+    assert_eq!(shader.slots, Some(6.0));
+    assert!(rust.evaluations.is_some_and(|n| n < 6.0), "{rust:?}");
+    let apart = shader.evaluations.zip(rust.evaluations).map(|(a, b)| (a - b).abs());
+    assert!(apart.is_some_and(|apart| apart < 0.01), "{shader:?} {rust:?}");
+}
+
+#[test]
+fn a_shader_in_half_precision_is_the_evaluators_alone() {
+    let variant = "half=shaders/six_lights/phong_450.frag:half";
+    let found = bench(&[SCENE, "--reader", "cpu,gl", "--variant", variant]);
+    assert_eq!(found.rows.len(), 1, "{:?}", found.rows);
+    // f16 has 11 digits: sums of light near 1 are off by more than a tenth of a step.
+    assert!(found.rows[0].errors.max_steps > 0.1, "{:?}", found.rows[0].errors);
+    assert_eq!(found.rows[0].permitted, None);
+    assert_eq!(found.failed[0].reader, "gl");
+    assert!(found.failed[0].reason.contains("only the evaluator"), "{:?}", found.failed);
 }
 
 #[test]
@@ -117,40 +150,6 @@ fn few_fragments_of_a_large_scene_are_taken_and_said() {
 }
 
 #[test]
-fn variants_of_a_function_are_held_against_its_own_f64() {
-    let folder = folder("function");
-    let file = |name: &str, body: &str| -> String {
-        let path = folder.join(name);
-        std::fs::write(
-            &path,
-            format!("#version 450\nfloat f(float x) {{ {body} }}\nvoid main() {{}}\n"),
-        )
-        .unwrap();
-        path.display().to_string()
-    };
-    // x * x - 1 loses what (x - 1) * (x + 1) keeps, next to 1; both are exact to 2^-23 else.
-    let plain = file("plain.frag", "return x * x - 1.0;");
-    let product = file("product.frag", "return (x - 1.0) * (x + 1.0);");
-    let wrong = file("wrong.frag", "return x * x;");
-    let (product, wrong) = (format!("product={product}"), format!("wrong={wrong}"));
-    let found =
-        bench_of_function(&[&plain, "--fn", "f", "--variant", &product, "--variant", &wrong]);
-    let errors: Vec<f64> = found.rows.iter().map(|row| row.errors.max_steps).collect();
-    // One rounding of the square and one of the difference: 2^-23 of the result or of 1.
-    assert!(errors[0] > 0.0 && errors[0] < 255.0 * 2f64.powi(-22), "{errors:?}");
-    assert!(errors[1] < 255.0 * 2f64.powi(-22), "{errors:?}");
-    assert!((errors[2] - 255.0).abs() < 1.0, "a function of its own is wrong by 1: {errors:?}");
-    assert_eq!(found.rows[0].work.operations, Some(2.0));
-}
-
-fn bench_of_function(arguments: &[&str]) -> Bench {
-    let arguments = [&["bench"], arguments, &["--rounds", "3", "--format", "json"]].concat();
-    let output = landfall(&arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("a bench")
-}
-
-#[test]
 fn what_cannot_be_measured_is_refused_by_name() {
     let refused = |arguments: &[&str], wanted: &str| {
         let output = landfall(&[&["bench"], arguments, &SMALL[2..]].concat());
@@ -163,7 +162,6 @@ fn what_cannot_be_measured_is_refused_by_name() {
     refused(&[SCENE, "--variant", "a=plan:sometimes"], "sometimes");
     refused(&[SCENE, "--variant", "a=no_such.frag"], "no_such.frag");
     refused(&[SCENE, "--variant", "a=rust:seed", "--model-of", "b=multi"], "`--model-of`");
-    refused(&["shaders/six_lights/phong_450.frag", "--fn", "nosuch"], "no function `nosuch`");
     let output = landfall(&["bench", SCENE, "--rounds", "1"]);
     assert_eq!(output.status.code(), Some(2));
 }

@@ -16,9 +16,6 @@ use crate::accuracy::permitted::farthest;
 use crate::run::call::pure::Pure;
 use crate::run::eval::{Floats, Precision, Settings};
 
-/// Calls that are looked at for what is permitted, of those of a run.
-const LOOKED_AT: usize = 4096;
-
 /// A function and the words it is called with, whoever calls it.
 #[derive(Debug)]
 pub struct Variant<'a> {
@@ -117,17 +114,13 @@ impl<'a> Variant<'a> {
             Floats::Half | Floats::Mediump => return None,
         }
         let Variant { calls, pure, kinds, columns, .. } = self;
-        let stride = calls.count().div_ceil(LOOKED_AT).max(1);
-        let lanes: Vec<usize> = (0..calls.count()).step_by(stride).collect();
-        let columns: Vec<Vec<u64>> =
-            columns.iter().map(|words| lanes.iter().map(|&lane| words[lane]).collect()).collect();
         // Each call is on its own, and no time is counted.
         let settings = Settings { threads: 0, ..calls.settings(Precision::Permitted) };
-        let called = pure.call(&columns, lanes.len(), &settings).ok()?;
-        let (mut steps, mut unsure) = (Vec::with_capacity(lanes.len()), 0);
-        for (at, lane) in lanes.iter().enumerate() {
-            let Some(truth) = &calls.truth()[*lane] else { continue };
-            let most = farthest(&called, &kinds.floats, at, &truth.floats)?;
+        let called = pure.call(columns, calls.count(), &settings).ok()?;
+        let (mut steps, mut unsure) = (Vec::with_capacity(calls.count()), 0);
+        for (lane, truth) in calls.truth().iter().enumerate() {
+            let Some(truth) = truth else { continue };
+            let most = farthest(&called, &kinds.floats, lane, &truth.floats)?;
             unsure += u64::from(most.unsure);
             steps.push(most.steps);
         }

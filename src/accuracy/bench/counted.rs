@@ -13,8 +13,8 @@ use crate::run::fragments::Shaded;
 /// Fragments whose operations are counted, of those of a run.
 const COUNTED: usize = 4096;
 
-/// Fragments that are looked at for what is permitted.
-const LOOKED_AT: usize = 2048;
+/// Lights at fragments that are looked at for what is permitted: about a second of it.
+const LOOKED_AT: usize = 1 << 16;
 
 /// Slots that are marked one after the other, and about how often a light is computed for that.
 const MARKED: usize = 128;
@@ -87,8 +87,10 @@ pub fn permitted(uploaded: &Uploaded<'_>, floats: Floats) -> Option<Permitted> {
         Floats::AsWritten => {}
         Floats::Half | Floats::Mediump => return None,
     }
+    let slots: u64 = uploaded.slots.iter().map(|(_, slots)| slots).sum();
+    let fragments = (LOOKED_AT / slots.max(1) as usize).max(256);
     let (mut steps, mut unsure) = (Vec::new(), 0);
-    for (prepared, places) in uploaded.some(LOOKED_AT) {
+    for (prepared, places) in uploaded.some(fragments) {
         let shader = &uploaded.renderer.shader;
         let around = shader.permitted(&prepared.batch(uploaded.limit)).ok()?;
         for ((around, is_unsure), place) in around.colors.iter().zip(&around.unsure).zip(places) {

@@ -3,7 +3,7 @@
 //! Whatever else the machine does hits all of them alike, and numbers of one round belong
 //! together: [`rank`](super::rank) compares round by round.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::clock::{self, Clock, Start, Took};
 
@@ -44,6 +44,10 @@ impl Default for Rounds {
         Rounds { count: 15, least: Duration::from_millis(20) }
     }
 }
+
+/// How many times longer than the least time a part of a round may take, where most of it is not
+/// counted.
+const LONGEST: f64 = 4.0;
 
 /// Seconds of each round, of each part.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,9 +113,14 @@ impl Running {
                 continue;
             }
             workload.run(part)?;
+            let began = Instant::now();
             let (once, clock) = timed(workload, part, 1)?;
             running.clock = clock;
-            let repeat = (rounds.least.as_secs_f64() / once.max(1e-9)).ceil().clamp(1.0, 1e6);
+            let least = rounds.least.as_secs_f64();
+            let times = |of: f64| (least / of.max(1e-9)).ceil();
+            // What is not counted, as the way to a driver and back, takes its time too.
+            let most = LONGEST * times(began.elapsed().as_secs_f64());
+            let repeat = times(once).min(most).clamp(1.0, 1e6);
             let seconds = Vec::with_capacity(rounds.count as usize);
             running.parts.push(Timing { part, repeat: repeat as u32, seconds });
         }

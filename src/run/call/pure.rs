@@ -271,7 +271,7 @@ fn make(
     let shown = shown(&info);
     let cannot = |what: &str, help: &str| {
         let help = (!help.is_empty()).then(|| help.to_string());
-        refuse("cannot-call", format!("`{shown}` cannot be stressed: {what}"), help)
+        refuse("cannot-call", format!("`{shown}` cannot be sampled: {what}"), help)
     };
     let ir = &module.ir;
     let mut reached = reach::variables(ir, info.handle);
@@ -279,7 +279,7 @@ fn make(
     if seen.derivatives {
         return Err(cannot(
             "it takes derivatives, which samples do not have",
-            "stress the function that is given what they depend on",
+            "name the function that is given what they depend on",
         ));
     }
     if let Some(name) = seen.stored.iter().find_map(|handle| {
@@ -288,7 +288,7 @@ fn make(
             matches!(variable.space, AddressSpace::Storage { .. } | AddressSpace::WorkGroup);
         buffer.then(|| variable.name.clone().unwrap_or_default())
     }) {
-        let help = "stress a function that returns what is to be written";
+        let help = "name a function that returns what is to be written";
         return Err(cannot(&format!("it writes the buffer `{name}`"), help));
     }
     if seen.barriers {
@@ -381,7 +381,7 @@ fn make(
             let what = opaque.map_or("a parameter is no plain value".to_string(), |p| {
                 format!("`{}` is a `{}`, which is no plain value", p.name, p.ty)
             });
-            return Err(cannot(&what, "stress the function that calls it"));
+            return Err(cannot(&what, "name the function that calls it"));
         }
         Err(what) => return Err(cannot(&format!("the evaluator does not know {what}"), "")),
     };
@@ -449,7 +449,7 @@ fn make(
     }
     if results.is_empty() {
         let help =
-            "stress a function that returns something, has an `out` parameter or writes a global";
+            "name a function that returns something, has an `out` parameter or writes a global";
         return Err(cannot("it gives nothing back", help));
     }
     // A uniform may have the name of a parameter.
