@@ -238,7 +238,7 @@ float endless(float x) {
         let all = std::fs::read_dir("/proc").unwrap().flatten();
         let names = all.filter_map(|entry| entry.file_name().into_string().ok());
         // In hundredths of a second.
-        let mut stuck = names.filter(|name| worked(name).is_some_and(|ticks| ticks > 400));
+        let mut stuck = names.filter(|name| worked(name).is_some_and(|ticks| ticks > 250));
         match stuck.next() {
             Some(process) => break process,
             None => std::thread::sleep(Duration::from_millis(20)),
