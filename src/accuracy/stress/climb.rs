@@ -4,6 +4,7 @@
 
 use std::time::Instant;
 
+use super::drivers::{Batch, Drivers};
 use super::generate::Generator;
 use super::input::{Input, Sample, float};
 use super::measure::{Off, Outcome, floats, outcome};
@@ -18,6 +19,12 @@ const NEIGHBOURS: usize = 64;
 const ROUNDS: usize = 48;
 const PATIENCE: usize = 10;
 
+/// What is kept of the samples of climbs, and who else runs them.
+pub(super) struct Climbs<'c, 'r> {
+    pub tally: Tally,
+    pub drivers: &'c mut Drivers<'r>,
+}
+
 /// Climbs from a sample as high as an error goes.
 pub(super) fn climb(
     pure: &Pure,
@@ -26,7 +33,7 @@ pub(super) fn climb(
     start: &Sample,
     height: impl Fn(&Off) -> f64,
     random: &mut Random,
-    tally: &mut Tally,
+    climbs: &mut Climbs<'_, '_>,
 ) -> (Sample, Off) {
     let (inputs, domain) = (generator.inputs, generator.domain);
     let floats = floats(pure);
@@ -49,15 +56,17 @@ pub(super) fn climb(
                 samples.push(best.0.clone());
             }
         }
-        let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings(plan, false))
-        else {
+        let columns = columns(&samples);
+        let Ok(called) = pure.call(&columns, samples.len(), &settings(plan, false)) else {
             break;
         };
         idle += 1;
+        let mut outcomes = Vec::with_capacity(samples.len());
         for (lane, sample) in samples.iter().enumerate() {
             let outcome = outcome(&called, &floats, lane);
+            outcomes.push(outcome);
             if round > 0 || lane > 0 {
-                tally.add(outcome);
+                climbs.tally.add(outcome);
             }
             if let Outcome::Off(off, _) = outcome {
                 if height(&off) > height(&best.1) {
@@ -66,6 +75,12 @@ pub(super) fn climb(
                 }
             }
         }
+        let mut batch = Batch::of(columns, called, &floats, outcomes);
+        if round == 0 {
+            // It was run where it was found.
+            batch.drop_first();
+        }
+        climbs.drivers.add(batch);
     }
     best
 }

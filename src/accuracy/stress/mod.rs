@@ -8,11 +8,13 @@ mod blame;
 mod classify;
 mod climb;
 mod condition;
+mod drivers;
 mod find;
 mod generate;
 pub mod hazard;
 mod map;
 mod permitted;
+mod readers;
 mod report;
 mod rewrite;
 mod sample;
@@ -33,15 +35,19 @@ pub use classify::Performed;
 pub use condition::Condition;
 pub use generate::Family;
 pub use map::{MapRequest, error_map};
-pub use permitted::Permitted;
+pub use permitted::{Permitted, Verdict};
+pub use readers::{DriverCase, Odd, ReaderReport};
 pub use report::{Against, Asked, Case, Found, Report, ResultScalar, Worst, command};
 pub use rewrite::Gain;
 pub use sample::Tally;
 
 use crate::run::call::Refusal;
 use crate::run::call::pure::{Pure, PureRequest};
+use crate::run::reader::Reader;
 use crate::source::Source;
 use crate::{Diagnostic, Options, Severity};
+use climb::Climbs;
+use drivers::Drivers;
 use generate::Generator;
 use random::Random;
 use sample::Plan;
@@ -90,6 +96,10 @@ impl Default for Request {
 
 /// Stresses a function; `progress` is told how many samples ran, and says whether to go on.
 ///
+/// The evaluator runs every sample in `f32` and `f64`, and each driver among the readers runs it
+/// too and is held against that `f64`. A driver that fails is left out from there on, and the
+/// report says why.
+///
 /// # Errors
 /// A shader that does not run; a function it does not have or that cannot be called by itself; a
 /// domain that is empty or about something else.
@@ -97,6 +107,7 @@ pub fn stress(
     source: &Source,
     options: &Options,
     request: &Request,
+    readers: &mut [Box<dyn Reader>],
     progress: &(dyn Fn(u64) -> bool + Sync),
 ) -> Result<Report, Box<Refusal>> {
     let began = Instant::now();
@@ -126,14 +137,16 @@ pub fn stress(
     let failed = |failure: crate::run::reader::Failure| {
         refused(finding("cannot-run", failure.message, None, &source.path))
     };
+    let mut drivers = Drivers::new(&pure, readers, &plan);
     let started = Instant::now();
-    let mut sampled = sample::run(&pure, &generator, &plan, progress).map_err(&failed)?;
+    let sampled = sample::run(&pure, &generator, &plan, &mut drivers, progress);
+    let mut sampled = sampled.map_err(&failed)?;
     let sampling = started.elapsed();
     let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
     let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
     let until = Instant::now() + more;
     let after = Plan { until: Some(until), ..plan.clone() };
-    let mut climbed = Tally::default();
+    let mut climbs = Climbs { tally: Tally::default(), drivers: &mut drivers };
     let endless: Vec<Sample> = sampled
         .exemplars
         .iter()
@@ -141,15 +154,16 @@ pub fn stress(
         .map(|(_, kept)| kept.sample.clone())
         .collect();
     let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
-    let worst = worst(&pure, &generator, &climbing, &sampled, &mut climbed);
+    let worst = worst(&pure, &generator, &climbing, &sampled, &mut climbs);
     let exemplars = std::mem::take(&mut sampled.exemplars);
-    let mut raws = find::findings(&pure, &generator, &after, exemplars, until, &mut climbed);
+    let mut raws = find::findings(&pure, &generator, &after, exemplars, until, &mut climbs);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
     if let Some((_, tally)) =
         sampled.families.iter_mut().find(|(family, _)| *family == Family::Climbed)
     {
-        tally.merge(&climbed);
+        tally.merge(&climbs.tally);
     }
+    drivers.flush();
     // What is written up is run again, each a sample, whatever the time is.
     let writing = Plan { until: None, ..plan.clone() };
     Ok(report::report(report::Made {
@@ -163,6 +177,7 @@ pub fn stress(
         families: sampled.families,
         raws,
         worst,
+        drivers,
         endless,
         stopped: sampled.stopped,
         rate: ran as f64 / sampling.as_secs_f64().max(1.0e-9),
@@ -177,7 +192,7 @@ fn worst(
     generator: &Generator<'_>,
     plan: &Plan,
     sampled: &sample::Sampled,
-    tally: &mut Tally,
+    climbs: &mut Climbs<'_, '_>,
 ) -> Vec<(Sample, Off)> {
     let mut random = Random::new(11, 11);
     let mut all = Vec::new();
@@ -185,7 +200,7 @@ fn worst(
     for (which, height) in heights.into_iter().enumerate() {
         let mut best: Option<(Sample, Off)> = None;
         for start in sampled.starts(which) {
-            let found = climb::climb(pure, generator, plan, start, height, &mut random, tally);
+            let found = climb::climb(pure, generator, plan, start, height, &mut random, climbs);
             if best.as_ref().is_none_or(|(_, off)| height(&found.1) > height(off)) {
                 best = Some(found);
             }

@@ -76,6 +76,16 @@ pub struct Pure {
     /// The text, and how it is read: a driver may have a compiler of its own.
     pub(super) source: Source,
     pub(super) options: Options,
+    pub(super) asks: Asks,
+}
+
+/// What is to be done with the function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asks {
+    /// It is called over many lanes, and so may do nothing that is not of its own lane.
+    Pure,
+    /// It is called once, by one invocation.
+    Call,
 }
 
 /// Something the function reads.
@@ -145,6 +155,16 @@ impl Pure {
         options: &Options,
         request: &PureRequest,
     ) -> Result<Pure, Box<Refusal>> {
+        Pure::asked(source, options, request, Asks::Pure)
+    }
+
+    /// The same of a function that need not be pure, if it is only called.
+    pub(super) fn asked(
+        source: &Source,
+        options: &Options,
+        request: &PureRequest,
+        asks: Asks,
+    ) -> Result<Pure, Box<Refusal>> {
         let options = &Options { gather: true, naga: false, ..options.clone() };
         let module = Module::new(source, options).map_err(|found| {
             Box::new(Refusal { found, files: crate::layout(source, options).files })
@@ -152,7 +172,7 @@ impl Pure {
         let files = module.files().clone();
         let refused =
             |found: Diagnostic| Box::new(Refusal { found: vec![found], files: files.clone() });
-        make(source, options, module, request).map_err(|found| refused(*found))
+        make(source, options, module, request, asks).map_err(|found| refused(*found))
     }
 
     /// Calls it over lanes: the words of each scalar of all parameters, in order.
@@ -260,6 +280,7 @@ fn make(
     options: &Options,
     mut module: Module,
     request: &PureRequest,
+    asks: Asks,
 ) -> Result<Pure, Box<Diagnostic>> {
     let language = source.language;
     let path = source.path.as_str();
@@ -276,13 +297,14 @@ fn make(
     let ir = &module.ir;
     let mut reached = reach::variables(ir, info.handle);
     let seen = look(ir, info.handle);
-    if seen.derivatives {
+    let strict = asks == Asks::Pure;
+    if strict && seen.derivatives {
         return Err(cannot(
             "it takes derivatives, which samples do not have",
             "name the function that is given what they depend on",
         ));
     }
-    if let Some(name) = seen.stored.iter().find_map(|handle| {
+    if let Some(name) = seen.stored.iter().filter(|_| strict).find_map(|handle| {
         let variable = &ir.global_variables[*handle];
         let buffer =
             matches!(variable.space, AddressSpace::Storage { .. } | AddressSpace::WorkGroup);
@@ -291,7 +313,7 @@ fn make(
         let help = "name a function that returns what is to be written";
         return Err(cannot(&format!("it writes the buffer `{name}`"), help));
     }
-    if seen.barriers {
+    if strict && seen.barriers {
         return Err(cannot("it waits for other invocations", ""));
     }
     let written: Vec<Handle<GlobalVariable>> = ir
@@ -447,7 +469,7 @@ fn make(
     if let Some(ty) = signature.result {
         results.insert(0, PureResult { name: "result".to_string(), ty, at: None });
     }
-    if results.is_empty() {
+    if strict && results.is_empty() {
         let help =
             "name a function that returns something, has an `out` parameter or writes a global";
         return Err(cannot("it gives nothing back", help));
@@ -491,6 +513,7 @@ fn make(
         inputs: given,
         source: source.clone(),
         options: options.clone(),
+        asks,
     })
 }
 

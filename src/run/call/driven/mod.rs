@@ -123,7 +123,11 @@ impl Driven<'_> {
         let mut from = 0;
         while from < lanes {
             let count = most.min(lanes - from);
-            let padded = count.next_multiple_of(unit);
+            // Less than a row of pixels is no whole row.
+            let padded = match self.code.lanes {
+                Lanes::Pixels if count < unit => count,
+                Lanes::Pixels | Lanes::Groups(_) | Lanes::Vertices => count.next_multiple_of(unit),
+            };
             let bytes = words::packed(self.pure, &self.places, columns, from..from + count, padded);
             job.resources[0].kind = ResourceKind::Storage { bytes, writable: false };
             let bytes = vec![0; padded * self.places.words_out as usize * 4];
@@ -171,7 +175,10 @@ impl Lanes {
     fn grid(self, lanes: u32) -> Grid {
         match self {
             Lanes::Groups(size) => Grid::Groups([lanes / size.max(1), 1, 1]),
-            Lanes::Pixels => Grid::Image { width: ROW, height: lanes / ROW, texel: Texel::Uint },
+            Lanes::Pixels => {
+                let width = ROW.min(lanes);
+                Grid::Image { width, height: lanes.div_ceil(width.max(1)), texel: Texel::Uint }
+            }
             Lanes::Vertices => Grid::Points { count: lanes, texel: Texel::Uint },
         }
     }

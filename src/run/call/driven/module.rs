@@ -17,7 +17,7 @@ use super::words::Places;
 use super::{Code, Lanes, ROW, buffer};
 use crate::Diagnostic;
 use crate::run::Module;
-use crate::run::call::pure::{Pure, Slot};
+use crate::run::call::pure::{Asks, Pure, Slot};
 use crate::run::reader::{Failure, Resource, ResourceKind, StageCode};
 use crate::source::Stage;
 
@@ -29,6 +29,14 @@ const OUTPUTS: &str = "landfall_out";
 
 /// Invocations of a workgroup.
 const GROUP: u32 = 64;
+
+/// Invocations of a workgroup: a function that is called once may do what others see.
+fn invocations(pure: &Pure) -> u32 {
+    match pure.asks {
+        Asks::Pure => GROUP,
+        Asks::Call => 1,
+    }
+}
 
 /// What runs a function.
 pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
@@ -67,7 +75,7 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
         buffers: [buffer(INPUTS, bindings[0]), buffer(OUTPUTS, bindings[1])],
         lanes: match stage {
             Stage::Fragment => Lanes::Pixels,
-            _ => Lanes::Groups(GROUP),
+            _ => Lanes::Groups(invocations(pure)),
         },
     })
 }
@@ -107,7 +115,7 @@ fn made(
         name: ENTRY.to_string(),
         stage,
         early_depth_test: None,
-        workgroup_size: if compute { [GROUP, 1, 1] } else { [0; 3] },
+        workgroup_size: if compute { [invocations(pure), 1, 1] } else { [0; 3] },
         workgroup_size_overrides: None,
         function,
         mesh_info: None,

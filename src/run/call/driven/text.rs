@@ -14,7 +14,7 @@ use super::{Code, Lanes, ROW, buffer};
 use crate::layout::BlockLayout;
 use crate::port::{PortOptions, Ported, port};
 use crate::run::bound;
-use crate::run::call::pure::{Origin, Pure, Slot};
+use crate::run::call::pure::{Asks, Origin, Pure, Slot};
 use crate::run::eval::ValueType;
 use crate::run::probe::glsl::Head;
 use crate::run::reader::{Failure, Resource, StageCode};
@@ -205,6 +205,10 @@ impl<'p> User<'p> {
                 writeln!(text, "layout(std430) {readonly}buffer {block} {{ uint {array}[]; }};");
         }
         let _ = writeln!(text, "void main() {{\n    uint landfall_lane = {lane};");
+        if stage == Stage::Compute && pure.asks == Asks::Call {
+            // The others of a group of the user's size would do it again.
+            text.push_str("    if (landfall_lane != 0u) return;\n");
+        }
         let (words_in, words_out) = (places.words_in, places.words_out);
         let _ = writeln!(text, "    uint {FROM} = landfall_lane * {words_in}u;");
         let _ = writeln!(text, "    uint {TO} = landfall_lane * {words_out}u;");

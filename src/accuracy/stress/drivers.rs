@@ -1,0 +1,357 @@
+//! The drivers beside the evaluator: every sample also runs on each of them, and what it gives is
+//! held against the evaluator's `f64` of the same bits.
+//!
+//! Takes batches of [`sample`](super::sample) and of climbs; [`readers`](super::readers) makes a
+//! report of what is kept.
+
+use std::time::{Duration, Instant};
+
+use super::input::Sample;
+use super::measure::{Off, Outcome, floats, outcome_of};
+use super::sample::{Kept, Plan, Tally, top};
+use crate::run::call::driven::{Driven, DrivenCalled};
+use crate::run::call::pure::{Pure, PureCalled};
+use crate::run::reader::{Device, Failure, Reader};
+
+/// A driver that is not done with one job by then has failed.
+pub(super) const LIMIT: Duration = Duration::from_secs(20);
+
+/// Samples the evaluator ran, and what they should come to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Batch {
+    /// Words by scalar, then by sample.
+    pub columns: Vec<Vec<u64>>,
+    /// By float of the results, then by sample: in `f64`.
+    pub doubles: Vec<Vec<f64>>,
+    /// What each came to on the evaluator.
+    pub outcomes: Vec<Outcome>,
+    /// Inputs that are not finite: they count for nothing.
+    pub special: bool,
+    /// The chunk, and the lane of the first.
+    pub at: (usize, usize),
+}
+
+impl Batch {
+    /// A batch of what the evaluator gave.
+    pub fn of(
+        columns: Vec<Vec<u64>>,
+        called: PureCalled,
+        floats: &[(usize, usize)],
+        outcomes: Vec<Outcome>,
+    ) -> Batch {
+        let mut results = called.results;
+        let take = |&(nth, at): &(usize, usize)| std::mem::take(&mut results[nth].doubles[at]);
+        let doubles = floats.iter().map(take).collect();
+        Batch { columns, doubles, outcomes, ..Batch::default() }
+    }
+
+    /// Leaves out its first sample.
+    pub fn drop_first(&mut self) {
+        self.columns.iter_mut().for_each(|column| drop(column.drain(..1)));
+        self.doubles.iter_mut().for_each(|column| drop(column.drain(..1)));
+        self.outcomes.drain(..1);
+    }
+
+    fn sample(&self, lane: usize) -> Sample {
+        self.columns.iter().map(|column| column[lane]).collect()
+    }
+
+    fn append(&mut self, more: Batch) {
+        if self.columns.is_empty() && self.outcomes.is_empty() {
+            *self = more;
+            return;
+        }
+        let columns = self.columns.iter_mut().zip(more.columns);
+        columns.for_each(|(all, more)| all.extend(more));
+        let doubles = self.doubles.iter_mut().zip(more.doubles);
+        doubles.for_each(|(all, more)| all.extend(more));
+        self.outcomes.extend(more.outcomes);
+    }
+}
+
+/// Why a sample of a driver is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Why {
+    /// The largest error in units of the last place.
+    Ulp,
+    /// The largest in steps.
+    Steps,
+    /// Off by more than is asked for where the evaluator is not.
+    Apart,
+    /// Not finite where the evaluator is.
+    NotFinite,
+    /// Finite where the evaluator is not.
+    Hidden,
+}
+
+impl Why {
+    pub const ALL: [Why; 5] = [Why::Ulp, Why::Steps, Why::Apart, Why::NotFinite, Why::Hidden];
+}
+
+/// What one driver made of the samples.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    pub device: Device,
+    /// Samples of finite inputs, and their errors where both are finite.
+    pub tally: Tally,
+    /// How often each of [`Why`] held; of the largest errors, of no meaning.
+    pub counts: [u64; 5],
+    /// Samples of each, and the floats it gave.
+    pub tops: [Vec<Kept<(Sample, Vec<f32>)>>; 5],
+    /// Samples that one of the two discards.
+    pub parted: u64,
+    /// Time in the driver, and samples in it.
+    pub busy: Duration,
+    pub ran: u64,
+    /// Why it runs no more.
+    pub failure: Option<Failure>,
+}
+
+/// A driver at work.
+struct Seat<'r> {
+    reader: &'r mut dyn Reader,
+    driven: Option<Driven<'r>>,
+    seen: Seen,
+}
+
+/// All drivers that were asked for.
+pub(super) struct Drivers<'r> {
+    seats: Vec<Seat<'r>>,
+    floats: Vec<(usize, usize)>,
+    steps: f64,
+    ulp: f64,
+    /// Climbs are of few samples: they wait for each other.
+    waiting: Batch,
+    climbs: usize,
+}
+
+/// Samples that wait at most.
+const WAITING: usize = 1024;
+
+impl<'r> Drivers<'r> {
+    /// Takes the readers that are drivers: the evaluator runs in any case.
+    pub fn new(pure: &'r Pure, readers: &'r mut [Box<dyn Reader>], plan: &Plan) -> Drivers<'r> {
+        let drivers = readers.iter_mut().filter(|reader| reader.device().reader != "cpu");
+        let seats = drivers.map(|reader| {
+            let device = reader.device().clone();
+            let (driven, failure) = match pure.on(&device) {
+                Ok(driven) => (Some(driven), None),
+                Err(failure) => (None, Some(failure)),
+            };
+            let seen = Seen {
+                device,
+                tally: Tally::default(),
+                counts: [0; 5],
+                tops: Default::default(),
+                parted: 0,
+                busy: Duration::ZERO,
+                ran: 0,
+                failure,
+            };
+            Seat { reader: reader.as_mut(), driven, seen }
+        });
+        Drivers {
+            seats: seats.collect(),
+            floats: floats(pure),
+            steps: plan.steps,
+            ulp: plan.ulp,
+            waiting: Batch::default(),
+            climbs: 0,
+        }
+    }
+
+    /// Whether nobody is left to run anything.
+    pub fn idle(&self) -> bool {
+        self.seats.iter().all(|seat| seat.seen.failure.is_some())
+    }
+
+    /// Runs a batch on each.
+    pub fn run(&mut self, batch: &Batch) {
+        let Drivers { seats, floats, steps, ulp, .. } = self;
+        for seat in seats {
+            if let Some(called) = seat.call(&batch.columns, batch.outcomes.len()) {
+                seat.seen.judge(batch, &called, floats, (*steps, *ulp));
+            }
+        }
+    }
+
+    /// Runs a few samples of a climb, sooner or later.
+    pub fn add(&mut self, batch: Batch) {
+        if self.idle() {
+            return;
+        }
+        self.waiting.append(batch);
+        if self.waiting.outcomes.len() >= WAITING {
+            self.flush();
+        }
+    }
+
+    /// Runs what still waits.
+    pub fn flush(&mut self) {
+        let mut batch = std::mem::take(&mut self.waiting);
+        if batch.outcomes.is_empty() {
+            return;
+        }
+        // After all that were drawn.
+        batch.at = (usize::MAX, self.climbs);
+        self.climbs += batch.outcomes.len();
+        self.run(&batch);
+    }
+
+    /// The floats each driver gives for samples, or why it gives none.
+    pub fn ask(
+        &mut self,
+        samples: &[Sample],
+    ) -> Vec<(&'static str, Result<Vec<Vec<f32>>, String>)> {
+        let floats = &self.floats;
+        let each = self.seats.iter_mut().map(|seat| {
+            let columns = super::sample::columns(samples);
+            let called = seat.call(&columns, samples.len());
+            let given = called.map(|called| {
+                let lane = |lane| singles(&called, floats, lane).collect();
+                (0..samples.len()).map(lane).collect()
+            });
+            let why = || seat.seen.failure.as_ref().map_or(String::new(), |f| f.message.clone());
+            (seat.seen.device.reader, given.ok_or_else(why))
+        });
+        each.collect()
+    }
+
+    /// What each has seen so far.
+    pub fn seen(&self) -> Vec<Seen> {
+        self.seats.iter().map(|seat| seat.seen.clone()).collect()
+    }
+}
+
+impl Seat<'_> {
+    fn call(&mut self, columns: &[Vec<u64>], lanes: usize) -> Option<DrivenCalled> {
+        if self.seen.failure.is_some() || lanes == 0 {
+            return None;
+        }
+        let began = Instant::now();
+        let called = self.driven.as_ref()?.call(self.reader, columns, lanes, LIMIT);
+        match called {
+            Ok(called) => {
+                self.seen.busy += began.elapsed();
+                self.seen.ran += lanes as u64;
+                Some(called)
+            }
+            Err(failure) => {
+                self.seen.failure = Some(failure);
+                None
+            }
+        }
+    }
+}
+
+/// The floats of a lane.
+fn singles<'c>(
+    called: &'c DrivenCalled,
+    floats: &'c [(usize, usize)],
+    lane: usize,
+) -> impl Iterator<Item = f32> + 'c {
+    floats.iter().map(move |&(nth, at)| f32::from_bits(called.results[nth][at][lane] as u32))
+}
+
+/// What a driver's results come to by themselves, and against the truth.
+enum Verdict {
+    NotFinite(Outcome),
+    /// Finite; the error where there is a truth.
+    Finite(Option<Off>),
+}
+
+impl Seen {
+    fn judge(
+        &mut self,
+        batch: &Batch,
+        called: &DrivenCalled,
+        floats: &[(usize, usize)],
+        (steps, ulp): (f64, f64),
+    ) {
+        if batch.special {
+            return;
+        }
+        for (lane, theirs) in batch.outcomes.iter().enumerate() {
+            let at = (batch.at.0, batch.at.1 + lane);
+            let sample = || (batch.sample(lane), singles(called, floats, lane).collect());
+            match (called.discarded[lane], *theirs == Outcome::Discarded) {
+                (true, true) => {
+                    self.tally.add(Outcome::Discarded);
+                    continue;
+                }
+                (false, false) => {}
+                (true, false) | (false, true) => {
+                    self.tally.samples += 1;
+                    self.parted += 1;
+                    continue;
+                }
+            }
+            let finite = matches!(theirs, Outcome::Off(..));
+            match verdict(called, floats, batch, lane) {
+                Verdict::NotFinite(outcome) => {
+                    self.tally.add(outcome);
+                    if finite {
+                        let severity = if outcome == Outcome::NotANumber { 2.0 } else { 1.0 };
+                        self.keep(Why::NotFinite, severity, at, sample);
+                    }
+                }
+                Verdict::Finite(off) => {
+                    match off {
+                        Some(off) => self.tally.add(Outcome::Off(off, false)),
+                        None => self.tally.samples += 1,
+                    }
+                    if !finite {
+                        self.keep(Why::Hidden, 1.0, at, sample);
+                    }
+                    let Some(off) = off else { continue };
+                    self.keep(Why::Ulp, off.ulp, at, sample);
+                    self.keep(Why::Steps, off.steps, at, sample);
+                    let far = |off: &Off| off.steps >= steps || off.ulp >= ulp;
+                    let fine = matches!(theirs, Outcome::Off(own, _) if !far(own));
+                    if fine && far(&off) {
+                        self.keep(Why::Apart, off.steps, at, sample);
+                    }
+                }
+            }
+        }
+    }
+
+    fn keep(
+        &mut self,
+        why: Why,
+        severity: f64,
+        at: (usize, usize),
+        sample: impl FnOnce() -> (Sample, Vec<f32>),
+    ) {
+        let nth = why as usize;
+        self.counts[nth] += 1;
+        top(&mut self.tops[nth], severity, at, sample);
+    }
+}
+
+fn verdict(
+    called: &DrivenCalled,
+    floats: &[(usize, usize)],
+    batch: &Batch,
+    lane: usize,
+) -> Verdict {
+    let mut infinite = false;
+    for single in singles(called, floats, lane) {
+        if single.is_nan() {
+            return Verdict::NotFinite(Outcome::NotANumber);
+        }
+        infinite |= single.is_infinite();
+    }
+    if infinite {
+        return Verdict::NotFinite(Outcome::Infinite);
+    }
+    let pair = |nth: usize| {
+        let (result, at) = floats[nth];
+        let single = f32::from_bits(called.results[result][at][lane] as u32);
+        (single, batch.doubles[nth][lane])
+    };
+    Verdict::Finite(match outcome_of(floats.len(), pair) {
+        Outcome::Off(off, _) => Some(off),
+        Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+    })
+}
