@@ -195,6 +195,15 @@ fn differences_within_the_spread_are_none() {
     };
     assert!(!better(&flips(2), &flips(3)));
     assert!(better(&flips(300), &flips(400)));
+    // 30 lights and 28 are not apart where each may be off by 1, and are where they are counted.
+    let lights = |n: f64, error: f64| {
+        let mut row = a.clone();
+        row.work = Work { evaluations: Some(n), evaluations_error: Some(error), ..row.work };
+        row
+    };
+    assert!(!better(&lights(28.0, 1.0), &lights(30.0, 1.0)));
+    assert!(better(&lights(27.0, 1.0), &lights(30.0, 1.0)));
+    assert!(better(&lights(28.0, 0.0), &lights(30.0, 0.0)));
 }
 
 #[test]
@@ -287,6 +296,7 @@ fn bench() -> Bench {
     ];
     rows[1].work = Work {
         evaluations: Some(5.38),
+        evaluations_error: Some(0.02),
         slots: Some(6.0),
         powers: Some(1.29),
         operations: Some(540.25),

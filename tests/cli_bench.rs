@@ -117,6 +117,32 @@ fn a_light_that_is_skipped_is_not_evaluated() {
 }
 
 #[test]
+fn a_shader_that_is_culled_by_a_plan_looks_at_fewer_slots() {
+    let shader = "shaders/many_lights/windowed_listed.wgsl";
+    let scene = "shaders/scenes/lights_1024_windowed.json";
+    let plain = format!("plain={shader}");
+    let culled = format!("culled={shader}+plan:tiles");
+    let rust = "rust=plan:tiles";
+    let some = ["--size", "24x18", "--rounds", "3", "--format", "json", "--reader", "cpu"];
+    let variants = ["--variant", &plain, "--variant", &culled, "--variant", rust];
+    let output = landfall(&[&["bench", scene], &some[..], &variants].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let found: Bench = serde_json::from_slice(&output.stdout).expect("a bench");
+    let row = |variant: &str| found.rows.iter().find(|row| row.variant == variant).unwrap();
+    let [plain, culled, rust] = ["plain", "culled", "rust"].map(row);
+    assert_eq!(plain.work.slots, Some(1024.0));
+    assert!(culled.work.slots.is_some_and(|slots| slots < 512.0), "{:?}", culled.work);
+    // What is culled gives nothing: it is not evaluated anyway, and the colours are the same.
+    assert_eq!(plain.errors, culled.errors);
+    for work in [plain.work, culled.work] {
+        let (lights, error) = work.evaluations.zip(work.evaluations_error).unwrap();
+        let counted = rust.work.evaluations.unwrap();
+        assert!(error > 0.0 && error < 0.2 * counted, "{work:?}");
+        assert!((lights - counted).abs() < 4.0 * error, "{lights} and {counted}, {error}");
+    }
+}
+
+#[test]
 fn a_shader_in_half_precision_is_the_evaluators_alone() {
     let variant = "half=shaders/six_lights/phong_450.frag:half";
     let found = bench(&[SCENE, "--reader", "cpu,gl", "--variant", variant]);

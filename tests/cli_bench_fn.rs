@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use landfall::accuracy::bench::{Bench, BenchRow};
+use landfall::emit::bench::BENCH_SCHEMA;
 
 fn landfall(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
@@ -40,7 +41,12 @@ const SMALL: [&str; 6] = ["--rounds", "3", "--samples", "2000", "--format", "jso
 fn bench(arguments: &[&str]) -> Bench {
     let output = landfall(&[&["bench"], arguments, &SMALL].concat());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("a bench")
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let schema: serde_json::Value = serde_json::from_str(BENCH_SCHEMA).expect("JSON");
+    let validator = jsonschema::validator_for(&schema).expect("a schema");
+    let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
+    assert!(errors.is_empty(), "{errors:?}");
+    serde_json::from_value(value).expect("a bench")
 }
 
 fn row<'b>(bench: &'b Bench, variant: &str, reader: &str) -> &'b BenchRow {

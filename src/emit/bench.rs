@@ -23,7 +23,7 @@ ns_per_fragment,ns_per_fragment_lower,ns_per_fragment_upper,ns_per_fragment_min,
 err_max_steps,err_p999_steps,err_max_ulp,err_p999_ulp,\
 permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
 flips,channels,err_max_code,differing,non_finite,undefined,\
-evaluations,slots,powers,operations,bytes,dominated_by\n";
+evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by\n";
 
 /// A table for each runner.
 pub fn text(bench: &Bench, paint: Paint) -> String {
@@ -210,6 +210,7 @@ pub fn csv(bench: &Bench) -> String {
             errors.non_finite.to_string(),
             errors.undefined.to_string(),
             optional(work.evaluations),
+            optional(work.evaluations_error),
             optional(work.slots),
             optional(work.powers),
             optional(work.operations),

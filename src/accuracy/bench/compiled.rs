@@ -50,6 +50,7 @@ impl<'a> Compiled<'a> {
         let fragments = colors.len().max(1) as f64;
         let work = Work {
             evaluations: Some(tally.evaluations as f64 / fragments),
+            evaluations_error: Some(0.0),
             slots: None,
             powers: Some(tally.powers as f64 / fragments),
             operations: None,

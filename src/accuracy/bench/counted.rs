@@ -6,9 +6,10 @@
 use super::report::{Permitted, Work};
 use super::uploaded::Uploaded;
 use crate::accuracy::permitted::off_from;
+use crate::light::render::Prepared;
+use crate::light::render::planned::Lot;
 use crate::light::render::tally::Tally;
 use crate::run::eval::{Cpu, Floats, Settings};
-use crate::run::fragments::Shaded;
 
 /// Fragments whose operations are counted, of those of a run.
 const COUNTED: usize = 4096;
@@ -22,11 +23,14 @@ const LIGHTS: usize = 1 << 21;
 
 /// Work of a shader for a fragment, its floats rounded like that.
 pub fn work(uploaded: &Uploaded<'_>, floats: Floats) -> Work {
-    let blocks = uploaded.whole.iter().flat_map(|prepared| &prepared.blocks);
-    let slots: u64 = uploaded.slots.iter().map(|(_, slots)| slots).sum();
+    let blocks = uploaded.whole.iter().flat_map(|lot| &lot.prepared.blocks);
+    let walked = uploaded.whole.iter().map(|lot| lot.walked * lot.fragments.len() as u64);
+    let slots = walked.sum::<u64>() as f64 / uploaded.stage.frame.fragments.len().max(1) as f64;
+    let evaluations = evaluations(uploaded, floats);
     Work {
-        evaluations: evaluations(uploaded, floats),
-        slots: Some(slots as f64),
+        evaluations: evaluations.map(|(mean, _)| mean),
+        evaluations_error: evaluations.map(|(_, error)| error),
+        slots: Some(slots),
         powers: None,
         operations: operations(uploaded, floats),
         bytes: Some(blocks.map(|block| block.len() as u64).sum()),
@@ -36,48 +40,62 @@ pub fn work(uploaded: &Uploaded<'_>, floats: Floats) -> Work {
 fn operations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<f64> {
     let mut cpu = Cpu::rounded(Settings::default(), floats);
     let (mut tally, mut fragments) = (Tally::default(), 0);
-    for (some, _) in uploaded.some(COUNTED) {
-        let shader = &uploaded.renderer.shader;
-        let ran = shader.run(&mut cpu, &some.batch(uploaded.limit), |cpu, _| tally.add(&cpu.notes));
-        ran.ok()?;
-        fragments += some.count;
+    for Lot { prepared, .. } in uploaded.some(COUNTED) {
+        let (shader, batch) = (&uploaded.renderer.shader, prepared.batch(uploaded.limit));
+        shader.run(&mut cpu, &batch, |cpu, _| tally.add(&cpu.notes)).ok()?;
+        fragments += prepared.count;
     }
     (fragments > 0).then(|| tally.counts.operations() as f64 / fragments as f64)
 }
 
 /// Lights that are really evaluated at a fragment, on average over some: whether one is shows
-/// where its colours are no numbers. None where the shader is given no colours, or does not run.
-fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<f64> {
+/// where its colours are no numbers; and the standard error of that. None where the shader is
+/// given no colours, or does not run.
+fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
     let mut cpu = Cpu::rounded(Settings::default(), floats);
-    let all: u64 = uploaded.slots.iter().map(|(_, slots)| slots).sum();
-    let all = usize::try_from(all).ok()?;
-    if all == 0 {
-        return Some(0.0);
-    }
-    let marked = all.min(MARKED);
-    let some = uploaded.some((LIGHTS / all / marked).clamp(16, 1024));
-    let run = |cpu: &mut Cpu, prepared: &crate::light::render::Prepared| -> Option<Shaded> {
-        uploaded.renderer.shader.run(cpu, &prepared.batch(uploaded.limit), |_, _| {}).ok()
+    let slots = |lot: &Lot| lot.slots.iter().map(|(_, slots)| *slots as usize).sum::<usize>();
+    let most = uploaded.whole.iter().map(slots).max().unwrap_or(0).max(1);
+    let mut run = |prepared: &Prepared| -> Option<Vec<[u32; 4]>> {
+        let batch = prepared.batch(uploaded.limit);
+        let shaded = uploaded.renderer.shader.run(&mut cpu, &batch, |_, _| {}).ok()?;
+        Some(shaded.colors.iter().map(|color| color.map(f32::to_bits)).collect())
     };
-    let mut plain = Vec::with_capacity(some.len());
-    for (prepared, _) in &some {
-        plain.push(run(&mut cpu, prepared)?);
-    }
-    let slots = uploaded.slots.iter().flat_map(|(kind, n)| (0..*n as usize).map(|at| (*kind, at)));
-    let slots: Vec<_> = slots.collect();
-    let (mut seen, mut looked_at) = (0u64, 0u64);
-    for nth in 0..marked {
-        let (kind, slot) = slots[nth * all / marked];
-        for ((prepared, _), plain) in some.iter().zip(&plain) {
-            let marked = uploaded.renderer.marked(prepared, kind, slot)?;
-            let shaded = run(&mut cpu, &marked)?;
-            let bits = |color: &[f32; 4]| color.map(f32::to_bits);
-            let each = shaded.colors.iter().zip(&plain.colors);
-            seen += each.filter(|(ours, plain)| bits(ours) != bits(plain)).count() as u64;
-            looked_at += prepared.count as u64;
+    let mut each: Vec<f64> = Vec::new();
+    // What not every slot having been marked leaves open, of all fragments together.
+    let mut open = 0.0;
+    for lot in uploaded.some((LIGHTS / most / most.min(MARKED)).clamp(16, 1024)) {
+        let plain = run(&lot.prepared)?;
+        let kinds = lot.slots.iter();
+        let all = kinds.flat_map(|(kind, n)| (0..*n as usize).map(|at| (*kind, at)));
+        let all: Vec<_> = all.collect();
+        let marked = all.len().min(MARKED);
+        let stands_for = all.len() as f64 / marked.max(1) as f64;
+        let mut of_fragments = vec![0.0; plain.len()];
+        let mut of_slots = Vec::with_capacity(marked);
+        for nth in 0..marked {
+            let (kind, slot) = all[nth * all.len() / marked];
+            let shaded = run(&uploaded.renderer.marked(&lot.prepared, kind, slot)?)?;
+            let before: f64 = of_fragments.iter().sum();
+            for (count, (ours, plain)) in of_fragments.iter_mut().zip(shaded.iter().zip(&plain)) {
+                *count += if ours != plain { stands_for } else { 0.0 };
+            }
+            of_slots.push(of_fragments.iter().sum::<f64>() - before);
         }
+        open += variance(&of_slots) * marked as f64 * (1.0 - 1.0 / stands_for.max(1.0));
+        each.extend(of_fragments);
     }
-    (looked_at > 0).then(|| all as f64 * seen as f64 / looked_at as f64)
+    let fragments = each.len() as f64;
+    let all = uploaded.stage.frame.fragments.len() as f64;
+    let spread = variance(&each) / fragments * (1.0 - fragments / all) + open / fragments.powi(2);
+    let mean = each.iter().sum::<f64>() / fragments;
+    (!each.is_empty()).then(|| (mean, spread.max(0.0).sqrt()))
+}
+
+/// Of a sample.
+fn variance(all: &[f64]) -> f64 {
+    let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+    let squares: f64 = all.iter().map(|x| (x - mean).powi(2)).sum();
+    squares / all.len().saturating_sub(1).max(1) as f64
 }
 
 /// How far from the reference any conformant device may be, as the shader is written; none where
@@ -87,17 +105,17 @@ pub fn permitted(uploaded: &Uploaded<'_>, floats: Floats) -> Option<Permitted> {
         Floats::AsWritten => {}
         Floats::Half | Floats::Mediump => return None,
     }
-    let slots: u64 = uploaded.slots.iter().map(|(_, slots)| slots).sum();
-    let fragments = (LOOKED_AT / slots.max(1) as usize).max(256);
+    let slots = uploaded.whole.iter().map(|lot| lot.walked).max().unwrap_or(0);
+    let about = (LOOKED_AT / slots.max(1) as usize).max(256);
     let (mut steps, mut unsure) = (Vec::new(), 0);
-    for (prepared, places) in uploaded.some(fragments) {
+    for Lot { prepared, fragments, .. } in uploaded.some(about) {
         let shader = &uploaded.renderer.shader;
         let around = shader.permitted(&prepared.batch(uploaded.limit)).ok()?;
-        for ((around, is_unsure), place) in around.colors.iter().zip(&around.unsure).zip(places) {
-            let Some(truth) = uploaded.stage.truth(place) else { continue };
+        for ((around, unsure_at), at) in around.colors.iter().zip(&around.unsure).zip(fragments) {
+            let Some(truth) = uploaded.stage.truth(at as usize) else { continue };
             let each = around.iter().zip(truth).map(|(around, truth)| off_from(*around, truth));
             steps.push(255.0 * each.fold(0.0, f64::max));
-            unsure += u64::from(*is_unsure);
+            unsure += u64::from(*unsure_at);
         }
     }
     (!steps.is_empty()).then(|| Permitted::of(&mut steps, unsure))

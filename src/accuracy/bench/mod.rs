@@ -1,9 +1,9 @@
-//! Variants of lighting on readers: time against error, measured so that a busy machine is no
-//! excuse.
+//! Variants of lighting, or of a function, on readers: time against error, measured so that a
+//! busy machine is no excuse.
 //!
 //! A [`Workload`] is a variant on a reader; [`measure`] runs them in turns by a [`clock`] and
-//! gives [`Spread`]s; [`Errors`] hold its colours against the reference; [`rank`] says who is
-//! better. All of it is a [`Bench`], printed by [`emit::bench`](crate::emit::bench) and drawn by
+//! gives [`Spread`]s; [`Errors`] hold what it gives against the truth, [`Permitted`] says what any
+//! device may give, [`Work`] what it does; [`rank`] says who is better. All of it is a [`Bench`], printed by [`emit::bench`](crate::emit::bench) and drawn by
 //! [`plot`](super::plot).
 
 pub mod clock;

@@ -6,7 +6,7 @@
 //! are no number; light evaluations, slots and bytes uploaded. Operations and powers are none, as
 //! they are why the time is what it is.
 
-use super::report::{BenchRow, Permitted};
+use super::report::{BenchRow, Permitted, Work};
 
 /// What one column says of two variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +56,7 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
         ea.flips.zip(eb.flips).map_or(Verdict::Same, |(a, b)| flips(a, b)),
         numbers(whole(ea.differing), whole(eb.differing)),
         numbers(Some(ea.non_finite as f64), Some(eb.non_finite as f64)),
-        numbers(a.work.evaluations, b.work.evaluations),
+        evaluations(&a.work, &b.work),
         numbers(a.work.slots, b.work.slots),
         numbers(whole(a.work.bytes), whole(b.work.bytes)),
     ]
@@ -82,6 +82,18 @@ fn numbers(a: Option<f64>, b: Option<f64>) -> Verdict {
         (Some(a), Some(b)) if a < b => Verdict::Better,
         (Some(a), Some(b)) if a > b => Verdict::Worse,
         _ => Verdict::Same,
+    }
+}
+
+/// Those of a shader are a sample: apart are what their standard errors do not explain, twice.
+fn evaluations(a: &Work, b: &Work) -> Verdict {
+    let error = |work: &Work| work.evaluations_error.unwrap_or(0.0);
+    let spread = 2.0 * error(a).hypot(error(b));
+    let apart = a.evaluations.zip(b.evaluations).map(|(a, b)| a - b);
+    match apart {
+        Some(apart) if apart < -spread => Verdict::Better,
+        Some(apart) if apart > spread => Verdict::Worse,
+        Some(_) | None => Verdict::Same,
     }
 }
 

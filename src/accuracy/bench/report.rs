@@ -91,6 +91,9 @@ impl Runner {
 pub struct Work {
     /// Lights evaluated for a fragment: a slot that is skipped is none.
     pub evaluations: Option<f64>,
+    /// The standard error of that, where only some fragments and slots were looked at; 0 where
+    /// all were.
+    pub evaluations_error: Option<f64>,
     /// Slots for lights that its loops are given for a fragment, skipped or not.
     pub slots: Option<f64>,
     /// Powers taken for a fragment.

@@ -45,9 +45,9 @@ impl Default for Rounds {
     }
 }
 
-/// How many times longer than the least time a part of a round may take, where most of it is not
-/// counted.
-const LONGEST: f64 = 4.0;
+/// No part of a round takes longer than that, or than four times the least time, where most of it
+/// is not counted.
+const LONGEST: Duration = Duration::from_millis(100);
 
 /// Seconds of each round, of each part.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,10 +117,11 @@ impl Running {
             let (once, clock) = timed(workload, part, 1)?;
             running.clock = clock;
             let least = rounds.least.as_secs_f64();
-            let times = |of: f64| (least / of.max(1e-9)).ceil();
+            let repeat = (least / once.max(1e-9)).ceil();
             // What is not counted, as the way to a driver and back, takes its time too.
-            let most = LONGEST * times(began.elapsed().as_secs_f64());
-            let repeat = times(once).min(most).clamp(1.0, 1e6);
+            let most = LONGEST.as_secs_f64().max(4.0 * least);
+            let most = (most / began.elapsed().as_secs_f64().max(1e-9)).ceil();
+            let repeat = repeat.min(most).clamp(1.0, 1e6);
             let seconds = Vec::with_capacity(rounds.count as usize);
             running.parts.push(Timing { part, repeat: repeat as u32, seconds });
         }

@@ -56,11 +56,6 @@ impl Stage {
     pub(super) fn truth(&self, fragment: usize) -> Option<[f64; 3]> {
         self.truth.get(fragment).copied().flatten()
     }
-
-    /// The fragments of each material.
-    pub fn by_material(&self) -> impl Iterator<Item = &[Fragment]> {
-        self.frame.fragments.chunk_by(|a, b| a.material == b.material)
-    }
 }
 
 fn truth(model: &Model, upload: &Upload, frame: &Frame) -> Vec<Option<[f64; 3]>> {

@@ -12,6 +12,7 @@ use super::rounds::{Part, Workload};
 use super::uploaded::Uploaded;
 use crate::Options;
 use crate::light::render::Prepared;
+use crate::light::render::planned::Lot;
 use crate::run::fragments::{FragmentShader, Input, InputKind};
 use crate::run::reader::Reader;
 use crate::source::Source;
@@ -41,14 +42,16 @@ impl<'a> Shader<'a> {
     /// What the reader says.
     pub fn judged(&mut self) -> Result<Errors, String> {
         let Uploaded { stage, renderer, limit, whole, .. } = self.uploaded;
-        let mut colors: Vec<[f32; 3]> = Vec::with_capacity(stage.frame.fragments.len());
-        for prepared in whole {
+        let mut colors = vec![[0.0; 3]; stage.frame.fragments.len()];
+        for Lot { fragments, prepared, .. } in whole {
             let mut reader = self.reader.borrow_mut();
             let shaded = renderer
                 .shader
                 .run(reader.as_mut(), &prepared.batch(*limit), |_, _| {})
                 .map_err(|failure| failure.message)?;
-            colors.extend(shaded.colors.iter().map(|[r, g, b, _]| [*r, *g, *b]));
+            for (at, [r, g, b, _]) in fragments.iter().zip(&shaded.colors) {
+                colors[*at as usize] = [*r, *g, *b];
+            }
         }
         Ok(stage.errors(&colors))
     }
@@ -66,12 +69,10 @@ impl Workload for Shader<'_> {
     fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
         let Uploaded { renderer, limit, whole, unlit, .. } = self.uploaded;
         let shader = &renderer.shader;
-        let (shader, prepared): (_, &[Prepared]) = match (part, unlit, &self.trivial) {
-            (Part::Whole, ..) => (shader, whole),
-            (Part::Unlit, Some(unlit), _) => (shader, unlit),
-            (Part::Trivial, _, Some((shader, prepared))) => {
-                (shader, std::slice::from_ref(prepared))
-            }
+        let (shader, prepared): (_, Vec<&Prepared>) = match (part, unlit, &self.trivial) {
+            (Part::Whole, ..) => (shader, whole.iter().map(|lot| &lot.prepared).collect()),
+            (Part::Unlit, Some(unlit), _) => (shader, unlit.iter().collect()),
+            (Part::Trivial, _, Some((shader, prepared))) => (shader, vec![prepared]),
             (Part::Unlit, None, _) | (Part::Trivial, _, None) => {
                 return Err("it has no such part".to_string());
             }

@@ -5,7 +5,7 @@
 //! lists, which is what a plan that skips is. [`truth`] is the same by the reference, and
 //! [`tally`] what the evaluator counted.
 
-mod planned;
+pub mod planned;
 pub mod tally;
 pub mod truth;
 

@@ -3,14 +3,94 @@
 
 use glam::Vec3;
 
-use super::{Draw, RenderError, Rendered, Renderer, Work};
+use super::{Draw, Prepared, RenderError, Rendered, Renderer, Work};
 use crate::light::Fragment;
 use crate::light::bind::{Kind, Lit, Quantity, Tiles};
 use crate::light::compiled::Model;
 use crate::light::skip::{self, LightSet, Measured, Options, Plan, interpolate};
 use crate::run::reader::Reader;
 
+/// Fragments of one material that are lit by the same lights, made ready to be lit often.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lot {
+    /// Their numbers in the frame.
+    pub fragments: Vec<u32>,
+    /// What is bound for them.
+    pub prepared: Prepared,
+    /// Slots of each kind that hold something for some of them.
+    pub slots: [(Kind, u64); 3],
+    /// Slots that each is looked up in: lists of tiles leave some out.
+    pub walked: u64,
+}
+
+impl Lot {
+    /// Every so many of its fragments, from one on.
+    pub fn every(&self, first: usize, stride: usize) -> Lot {
+        let fragments: Vec<u32> =
+            self.fragments.iter().copied().skip(first).step_by(stride.max(1)).collect();
+        let some = |values: &Vec<[f32; 4]>| {
+            values.iter().copied().skip(first).step_by(stride.max(1)).collect()
+        };
+        let inputs = self.prepared.inputs.iter().map(some).collect();
+        let count = fragments.len();
+        let prepared = Prepared { inputs, count, ..self.prepared.clone() };
+        Lot { fragments, prepared, ..self.clone() }
+    }
+}
+
 impl Renderer {
+    /// The fragments of a draw, those of one material together.
+    ///
+    /// # Errors
+    /// More lights than slots.
+    pub fn lots(&self, work: &Work<'_>, draw: &Draw<'_>) -> Result<Vec<Lot>, RenderError> {
+        let all = &work.frame.fragments;
+        let mut numbers = draw.fragments.to_vec();
+        // Stable: the caller's order stays within a material.
+        numbers.sort_by_key(|number| all[*number as usize].material);
+        let slots = Kind::ALL.map(|kind| (kind, self.walked(kind, &draw.lights)));
+        let same = |a: &u32, b: &u32| all[*a as usize].material == all[*b as usize].material;
+        let each = numbers.chunk_by(same).map(|fragments| {
+            let found: Vec<&Fragment> = fragments.iter().map(|n| &all[*n as usize]).collect();
+            let prepared = self.prepare(work, &found, draw)?;
+            let walked = slots.iter().map(|(_, slots)| slots).sum();
+            Ok(Lot { fragments: fragments.to_vec(), prepared, slots, walked })
+        });
+        each.collect()
+    }
+
+    /// The fragments of all draws of a plan; its grids are not in them.
+    ///
+    /// # Errors
+    /// More lights than slots.
+    pub fn lots_of_plan(&self, work: &Work<'_>, plan: &Plan) -> Result<Vec<Lot>, RenderError> {
+        if let (true, Some(lists)) = (self.asks_for_tiles(), &plan.tiles) {
+            let mut lots = self.listed(work, plan, lists, |draw| self.lots(work, draw))?;
+            let mut listed = vec![0u64; work.frame.fragments.len()];
+            for draw in &plan.draws {
+                let len = draw.lights.point.len() as u64;
+                draw.fragments.iter().for_each(|number| listed[*number as usize] = len);
+            }
+            for lot in &mut lots {
+                let listed: u64 = lot.fragments.iter().map(|number| listed[*number as usize]).sum();
+                let others = lot.slots.iter().filter(|(kind, _)| *kind != Kind::Point);
+                let others: u64 = others.map(|(_, slots)| slots).sum();
+                lot.walked = others + listed.div_ceil(lot.fragments.len().max(1) as u64);
+            }
+            return Ok(lots);
+        }
+        let draws = plan.draws.iter().map(|draw| Draw {
+            fragments: &draw.fragments,
+            lights: lit(&draw.lights),
+            tiles: None,
+        });
+        let mut lots = Vec::new();
+        for draw in draws {
+            lots.extend(self.lots(work, &draw)?);
+        }
+        Ok(lots)
+    }
+
     /// Makes a plan for this shader: a loop that nothing counts goes over every slot.
     pub fn plan(&self, work: &Work<'_>, model: &Model, options: &Options) -> Plan {
         let mut options = options.clone();
@@ -97,6 +177,29 @@ impl Renderer {
         lists: &skip::TileLists,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
+        let (mut rendered, others) = self.listed(work, plan, lists, |draw| {
+            let rendered = self.render(reader, work, std::slice::from_ref(draw), after)?;
+            // Of the other kinds, which have no lists, every one.
+            let others = Lit { point: &[], ..draw.lights };
+            Ok((rendered, self.evaluated(&others)))
+        })?;
+        let point: u64 = plan
+            .draws
+            .iter()
+            .map(|draw| draw.fragments.len() as u64 * draw.lights.point.len() as u64)
+            .sum();
+        rendered.evaluations = point + rendered.fragments * others;
+        Ok(rendered)
+    }
+
+    /// Does something with the one draw of a plan whose shader reads the lists.
+    fn listed<T>(
+        &self,
+        work: &Work<'_>,
+        plan: &Plan,
+        lists: &skip::TileLists,
+        with: impl FnOnce(&Draw<'_>) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
         let lights = &work.upload.lights;
         // Every point light, as the lists hold the numbers of the upload.
         let point: Vec<u32> = (0..lights.point.len() as u32).collect();
@@ -111,17 +214,7 @@ impl Renderer {
             tiles: &lists.tiles,
             indices: &lists.indices,
         };
-        let draw = Draw { fragments: &all, lights, tiles: Some(tiles) };
-        let mut rendered = self.render(reader, work, &[draw], after)?;
-        let point: u64 = plan
-            .draws
-            .iter()
-            .map(|draw| draw.fragments.len() as u64 * draw.lights.point.len() as u64)
-            .sum();
-        // Of the other kinds, which have no lists, every one.
-        let others = Lit { point: &[], ..lights };
-        rendered.evaluations = point + rendered.fragments * self.evaluated(&others);
-        Ok(rendered)
+        with(&Draw { fragments: &all, lights, tiles: Some(tiles) })
     }
 
     fn add_grids<R: Reader + ?Sized>(

@@ -21,7 +21,7 @@ pub struct BenchArgs {
     pub function: Option<String>,
     /// A variant: a shader's FILE; rust:seed, rust:ungated or rust:robust, compiled into landfall,
     /// the last, with exact gates, also rust:robust=POWER, without powers below POWER;
-    /// plan:OPTIONS, which skips lights. With --fn FILE, FILE#NAME, or #NAME of the same file.
+    /// plan:OPTIONS, which skips lights, or FILE+plan:OPTIONS, a shader that does. With --fn FILE, FILE#NAME, or #NAME of the same file.
     /// Behind a shader, :half rounds every float to f16 and :mediump those that OpenGL ES says
     /// are, which only the evaluator does. Once for each [default: the scene's shader and what is
     /// compiled; the function as it is]

@@ -13,7 +13,7 @@ use landfall::accuracy::bench::uploaded::Uploaded;
 use landfall::accuracy::bench::{Bench, Permitted, Runner, Size, Unit, Work};
 use landfall::light::compiled::{Form, Gates};
 use landfall::light::reference::Model;
-use landfall::light::render::{RenderError, Renderer, truth};
+use landfall::light::render::{Renderer, truth};
 use landfall::light::{Frame, Upload, skip};
 use landfall::run::eval::{Cpu, Floats};
 use landfall::run::reader::Reader;
@@ -26,8 +26,8 @@ use crate::render::asked::{Asked, Wanted, asked};
 
 /// What a variant is.
 enum What {
-    /// A shader's file, or the scene's own, and what its floats are rounded to.
-    Shader(Option<PathBuf>, Floats),
+    /// A shader's file, or the scene's own; what its floats are rounded to; and a plan.
+    Shader(Option<PathBuf>, Floats, Option<skip::Options>),
     /// Compiled in, without powers below that.
     Rust(Form, f64),
     /// Compiled in, by a plan.
@@ -69,7 +69,7 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
             None => None,
         });
         renderers.push(match what {
-            What::Shader(file, _) => {
+            What::Shader(file, ..) => {
                 let Some(asked) = ask(file.clone(), None)? else { return Ok(None) };
                 match asked.renderer() {
                     Ok(renderer) => renderer,
@@ -85,7 +85,10 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
     }
     let likely = || renderers.iter().flatten().next().map(|renderer| truth::likely(&renderer.map));
     let model: Model = own.model.or_else(likely).unwrap_or_default();
-    let plans = variants.iter().any(|(_, what)| matches!(what, What::Plan(_)));
+    let plans = variants.iter().any(|(_, what)| match what {
+        What::Plan(_) | What::Shader(_, _, Some(_)) => true,
+        What::Rust(..) | What::Shader(_, _, None) => false,
+    });
     let most = if plans { u64::MAX } else { args.most };
     let frame = Frame::new(&own.scene, &own.frame);
     let all = frame.fragments.len();
@@ -107,8 +110,16 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
     }
     let size = Size { fragments: taken as u64, lights: stage.lights() };
     let about = About { subject, truth, unit: Unit::Fragment, size };
-    let uploaded = renderers.iter().zip(&stages).map(|(renderer, stage)| {
-        renderer.as_ref().map(|renderer| Uploaded::new(stage, renderer, args.limit))
+    let uploaded = variants.iter().zip(&renderers).zip(&stages).map(|(((_, what), r), stage)| {
+        let renderer = r.as_ref()?;
+        Some(match what {
+            What::Shader(_, _, Some(plan)) => {
+                Uploaded::by_plan(stage, renderer, args.limit, plan)
+            }
+            What::Shader(_, _, None) | What::Rust(..) | What::Plan(_) => {
+                Uploaded::new(stage, renderer, args.limit)
+            }
+        })
     });
     let uploaded: Vec<_> = uploaded.collect();
     let entries = entries(args, &variants, &uploaded, &stages);
@@ -128,11 +139,12 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
             ("robust, powers from 1/8 step".to_string(), rust(Gates::ALL, 1.0 / 8.0 / 255.0)),
         ];
         if let Some(shader) = &own.shader {
-            all.push((shader.path.clone(), What::Shader(None, Floats::AsWritten)));
+            all.push((shader.path.clone(), What::Shader(None, Floats::AsWritten, None)));
         }
         return Ok(all);
     }
     let one = |(name, what): &(String, String)| {
+        let plan = |options| skip::parse(options).map_err(|error| wrong(name, error));
         let what = match what.split_once(':') {
             Some(("rust", "seed")) => What::Rust(Form::Seed, 0.0),
             Some(("rust", "ungated")) => rust(Gates::NONE, 0.0),
@@ -146,13 +158,17 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
                 rust(Gates::ALL, least)
             }
             Some(("plan", options)) => {
-                What::Plan(skip::parse(options).map_err(|error| wrong(name, error))?)
+                What::Plan(plan(options)?)
             }
             _ => {
-                let (file, floats) = rounded(what);
+                let (what, floats) = rounded(what);
+                let (file, plan) = match what.split_once("+plan:") {
+                    Some((file, options)) => (file, Some(plan(options)?)),
+                    None => (what, None),
+                };
                 // The scene's own, rounded.
                 let file = (!file.is_empty()).then(|| PathBuf::from(file));
-                What::Shader(file, floats)
+                What::Shader(file, floats, plan)
             }
         };
         Ok((name.clone(), what))
@@ -164,7 +180,7 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
 fn entries<'a>(
     args: &BenchArgs,
     variants: &'a [(String, What)],
-    uploaded: &'a [Option<Result<Uploaded<'a>, RenderError>>],
+    uploaded: &'a [Option<Result<Uploaded<'a>, String>>],
     stages: &[&'a Stage],
 ) -> Entries<'a> {
     let mut entries = Entries::default();
@@ -191,7 +207,7 @@ fn entries<'a>(
     }
     let mut lit = Vec::new();
     for ((name, what), uploaded) in variants.iter().zip(uploaded) {
-        let What::Shader(_, floats) = what else { continue };
+        let What::Shader(_, floats, _) = what else { continue };
         match uploaded {
             Some(Ok(uploaded)) => lit.push(Counted {
                 name,
@@ -200,7 +216,7 @@ fn entries<'a>(
                 work: counted::work(uploaded, *floats),
                 permitted: counted::permitted(uploaded, *floats),
             }),
-            Some(Err(error)) => entries.fail(name, "every reader", error.to_string()),
+            Some(Err(reason)) => entries.fail(name, "every reader", reason.as_str()),
             None => {}
         }
     }
