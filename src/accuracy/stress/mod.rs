@@ -40,7 +40,7 @@ pub use input::{Input, Sample};
 pub use map::{MapRequest, error_map};
 pub use measure::{Off, Outcome, Spread};
 pub use permitted::{Permitted, Verdict};
-pub use readers::{DriverCase, Odd, ReaderReport};
+pub use readers::{Came, DriverCase, Odd, ReaderReport};
 pub use report::{Against, Asked, Case, Found, Report, ResultScalar, Worst, command};
 pub use rewrite::Gain;
 pub use sample::Tally;
@@ -50,7 +50,7 @@ use crate::run::call::pure::{Pure, PureRequest};
 use crate::run::reader::Reader;
 use crate::source::Source;
 use crate::{Diagnostic, Options, Severity};
-use climb::Climbs;
+use climb::{Climbs, Whose};
 use domain::Domain;
 use drivers::Drivers;
 use generate::Generator;
@@ -141,7 +141,7 @@ pub fn stress(
     let failed = |failure: crate::run::reader::Failure| {
         refused(finding("cannot-run", failure.message, None, &source.path))
     };
-    let mut drivers = Drivers::new(&pure, readers, &plan);
+    let mut drivers = Drivers::new(&pure, &inputs, readers, &plan);
     let started = Instant::now();
     let sampled = sample::run(&pure, &generator, &plan, &mut drivers, progress);
     let mut sampled = sampled.map_err(&failed)?;
@@ -159,6 +159,8 @@ pub fn stress(
         .collect();
     let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
     let worst = worst(&pure, &generator, &climbing, &sampled, &mut climbs);
+    let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
+    worst_on_drivers(&pure, &generator, &climbing, &mut climbs);
     let exemplars = std::mem::take(&mut sampled.exemplars);
     let mut raws = find::findings(&pure, &generator, &after, exemplars, until, &mut climbs);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
@@ -204,7 +206,15 @@ fn worst(
     for (which, height) in heights.into_iter().enumerate() {
         let mut best: Option<(Sample, Off)> = None;
         for start in sampled.starts(which) {
-            let found = climb::climb(pure, generator, plan, start, height, &mut random, climbs);
+            let found = climb::climb(
+                pure,
+                generator,
+                plan,
+                start,
+                (height, Whose::Evaluator),
+                &mut random,
+                climbs,
+            );
             if best.as_ref().is_none_or(|(_, off)| height(&found.1) > height(off)) {
                 best = Some(found);
             }
@@ -212,6 +222,27 @@ fn worst(
         all.extend(best);
     }
     all
+}
+
+/// Climbs from the worst samples of each driver, which keeps what it finds there.
+fn worst_on_drivers(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    climbs: &mut Climbs<'_, '_>,
+) {
+    climbs.drivers.flush();
+    let mut random = Random::new(13, 13);
+    let heights: [(drivers::Why, fn(&Off) -> f64); 2] =
+        [(drivers::Why::Ulp, |off| off.ulp), (drivers::Why::Steps, |off| off.steps)];
+    for driver in 0..climbs.drivers.len() {
+        for (why, height) in heights {
+            for (start, from) in climbs.drivers.starts(driver, why) {
+                let up = (height, Whose::Driver(driver, from));
+                climb::climb(pure, generator, plan, &start, up, &mut random, climbs);
+            }
+        }
+    }
 }
 
 fn domain_of(

@@ -14,7 +14,7 @@ use super::hazard::{self, Hazard};
 use super::input::{Input, Sample};
 use super::measure::{Off, Outcome, outcome};
 use super::permitted::{Permitted, Verdict, permitted};
-use super::readers::{DriverCase, ReaderReport, Writing, reports};
+use super::readers::{Came, DriverCase, ReaderReport, Writing, reports};
 use super::rewrite::{Gain, gain};
 use super::sample::{Plan, Tally, columns, settings};
 use super::{Request, measure};
@@ -316,13 +316,21 @@ fn on_a_driver(
     let sample = &found.case.words;
     Found {
         hazard,
-        level: if wrong { Level::Deny } else { hazard.level },
+        level: match (wrong, found.plausible) {
+            (true, true) => Level::Deny,
+            (false, true) => hazard.level,
+            (_, false) => Level::Warn,
+        },
         place: place_of_name(pure),
         reader: Some(reader),
         operation: None,
         kind: None,
         about: Vec::new(),
-        outcome: found.outcome,
+        outcome: match found.outcome {
+            Came::NotANumber => Outcome::NotANumber,
+            Came::Infinite => Outcome::Infinite,
+            Came::Finite(off) => Outcome::Off(off.unwrap_or_default(), false),
+        },
         breach: None,
         case: found.case.clone(),
         condition: found.condition.clone(),
@@ -332,7 +340,7 @@ fn on_a_driver(
         against: None,
         readers: Vec::new(),
         seen: usize::try_from(seen).unwrap_or(usize::MAX),
-        plausible: true,
+        plausible: found.plausible,
     }
 }
 
