@@ -6,11 +6,12 @@ use super::condition::{Condition, condition};
 use super::drivers::{Drivers, Why, error};
 use super::hazard::{self, Hazard};
 use super::input::{Input, Sample};
-use super::measure::{Off, floats};
-use super::permitted::{Verdict, verdict};
-use super::report::{Case, case};
+use super::measure::{Off, Outcome, floats};
+use super::permitted::{Permitted, Verdict, permitted, verdict};
+use super::report::{Asked, Case, Found, case, place_of_name};
 use super::sample::{Plan, Tally, columns, settings};
 use super::shrink::plausible;
+use crate::lint::Level;
 use crate::run::call::pure::Pure;
 use crate::run::reader::{Device, Failure};
 use crate::source::Source;
@@ -192,5 +193,57 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
         condition: condition(pure, inputs, sample, plan),
         plausible: plausible(inputs, sample),
         case,
+    }
+}
+
+/// What is wrong on a driver alone: where in the function is not known.
+pub(super) fn on_a_driver(
+    pure: &Pure,
+    plan: &Plan,
+    reader: &'static str,
+    (hazard, found, seen): (&'static Hazard, &DriverCase, u64),
+) -> Found {
+    let wrong = found.verdict == Some(Verdict::Wrong);
+    let sample = &found.case.words;
+    Found {
+        hazard,
+        level: match (wrong, found.plausible) {
+            (true, true) => Level::Deny,
+            (false, true) => hazard.level,
+            (_, false) => Level::Warn,
+        },
+        place: place_of_name(pure),
+        reader: Some(reader),
+        operation: None,
+        kind: None,
+        about: Vec::new(),
+        outcome: match found.outcome {
+            Came::NotANumber => Outcome::NotANumber,
+            Came::Infinite => Outcome::Infinite,
+            Came::Finite(off) => Outcome::Off(off.unwrap_or_default(), false),
+        },
+        breach: None,
+        case: found.case.clone(),
+        condition: found.condition.clone(),
+        gain: None,
+        // By what the driver gives, not the evaluator.
+        permitted: permitted(pure, sample, plan).map(|p| Permitted { any: !wrong, ..p }),
+        against: None,
+        readers: Vec::new(),
+        seen: usize::try_from(seen).unwrap_or(usize::MAX),
+        plausible: found.plausible,
+    }
+}
+
+/// Has the drivers call the function with the input of each finding.
+pub(super) fn ask(drivers: &mut Drivers<'_>, findings: &mut [Found]) {
+    let samples: Vec<Sample> = findings.iter().map(|found| found.case.words.clone()).collect();
+    for (reader, given) in drivers.ask(&samples) {
+        for (nth, found) in findings.iter_mut().enumerate() {
+            found.readers.push(match &given {
+                Ok(given) => Asked { reader, results: given[nth].clone(), failure: None },
+                Err(why) => Asked { reader, results: Vec::new(), failure: Some(why.clone()) },
+            });
+        }
     }
 }
