@@ -101,7 +101,7 @@ fn a_normalised_zero_is_told_of_whether_the_driver_hides_it_or_not() {
     for (nth, reader) in both(&report).iter().enumerate() {
         let (nan, hidden) = (reader.tally.nan, reader.hidden.count);
         assert!(nan + hidden > 0, "{}: {nan} NaN, {hidden} hidden", reader.reader);
-        assert_eq!(nan + hidden >= report.total.nan, true, "{}", reader.reader);
+        assert!(nan + hidden >= report.total.nan, "{}", reader.reader);
         let asked = &zero.readers[nth];
         assert_eq!((asked.reader, asked.results.len()), (reader.reader, 3));
         if nan == 0 {

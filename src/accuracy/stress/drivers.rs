@@ -89,6 +89,12 @@ impl Why {
     pub const ALL: [Why; 5] = [Why::Ulp, Why::Steps, Why::Apart, Why::NotFinite, Why::Hidden];
 }
 
+/// A sample that is kept, and the floats a driver gave for it.
+pub(super) type Answered = Kept<(Sample, Vec<f32>)>;
+
+/// A driver's name, and by sample the floats it gives, or why it gives none.
+pub(super) type Given = (&'static str, Result<Vec<Vec<f32>>, String>);
+
 /// What one driver made of the samples.
 #[derive(Clone, Debug)]
 pub(super) struct Seen {
@@ -98,7 +104,7 @@ pub(super) struct Seen {
     /// How often each of [`Why`] held; of the largest errors, of no meaning.
     pub counts: [u64; 5],
     /// Samples of each, and the floats it gave.
-    pub tops: [Vec<Kept<(Sample, Vec<f32>)>>; 5],
+    pub tops: [Vec<Answered>; 5],
     /// Samples that one of the two discards.
     pub parted: u64,
     /// Time in the driver, and samples in it.
@@ -225,10 +231,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// The floats each driver gives for samples, or why it gives none.
-    pub fn ask(
-        &mut self,
-        samples: &[Sample],
-    ) -> Vec<(&'static str, Result<Vec<Vec<f32>>, String>)> {
+    pub fn ask(&mut self, samples: &[Sample]) -> Vec<Given> {
         let floats = &self.judge.floats;
         let each = self.seats.iter_mut().map(|seat| {
             let columns = super::sample::columns(samples);

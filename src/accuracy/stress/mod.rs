@@ -233,12 +233,13 @@ fn worst_on_drivers(
 ) {
     climbs.drivers.flush();
     let mut random = Random::new(13, 13);
-    let heights: [(drivers::Why, fn(&Off) -> f64); 2] =
-        [(drivers::Why::Ulp, |off| off.ulp), (drivers::Why::Steps, |off| off.steps)];
+    let height = |why: drivers::Why| {
+        move |off: &Off| if why == drivers::Why::Ulp { off.ulp } else { off.steps }
+    };
     for driver in 0..climbs.drivers.len() {
-        for (why, height) in heights {
+        for why in [drivers::Why::Ulp, drivers::Why::Steps] {
             for (start, from) in climbs.drivers.starts(driver, why) {
-                let up = (height, Whose::Driver(driver, from));
+                let up = (height(why), Whose::Driver(driver, from));
                 climb::climb(pure, generator, plan, &start, up, &mut random, climbs);
             }
         }

@@ -3,7 +3,7 @@
 //! Made of what [`drivers`](super::drivers) kept; part of the [`Report`](super::Report).
 
 use super::condition::{Condition, condition};
-use super::drivers::{Drivers, Why, error};
+use super::drivers::{Answered, Drivers, Why, error};
 use super::hazard::{self, Hazard};
 use super::input::{Input, Sample};
 use super::measure::{Off, Outcome, floats};
@@ -134,7 +134,7 @@ pub(super) struct Writing<'a> {
 pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<ReaderReport> {
     let mut reports = Vec::new();
     for seen in drivers.seen() {
-        let case = |kept: &super::sample::Kept<(Sample, Vec<f32>)>| {
+        let case = |kept: &Answered| {
             let (sample, results) = &kept.sample;
             written(writing, &seen.device, sample, results)
         };
