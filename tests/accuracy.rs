@@ -160,12 +160,8 @@ fn better_is_not_worse_in_any_column_and_better_in_one() {
     ];
     for (i, make) in worse.into_iter().enumerate() {
         let (mut slow, mut fast) = (slow.clone(), fast.clone());
-        slow.work = Work {
-            evaluations: Some(6.0),
-            slots: Some(8.0),
-            bytes: Some(40),
-            ..Work::default()
-        };
+        slow.work =
+            Work { evaluations: Some(6.0), slots: Some(8.0), bytes: Some(40), ..Work::default() };
         slow.errors = Errors {
             max_ulp: Some(8.0),
             p999_ulp: Some(4.0),

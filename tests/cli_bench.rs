@@ -104,9 +104,8 @@ fn a_light_that_is_skipped_is_not_evaluated() {
     let shader = "shader=shaders/six_lights/phong_450.frag";
     let found =
         bench(&[SCENE, "--reader", "cpu", "--variant", shader, "--variant", "rust=rust:robust"]);
-    let work = |reader: &str| {
-        found.rows.iter().find(|row| row.runner.reader == reader).unwrap().work
-    };
+    let work =
+        |reader: &str| found.rows.iter().find(|row| row.runner.reader == reader).unwrap().work;
     // Both skip lights that a fragment faces away from; Rust counts what it computes, of the
     // shader it is seen by marking lights.
     let (shader, rust) = (work("cpu"), work("rust"));

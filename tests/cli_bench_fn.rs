@@ -64,9 +64,19 @@ fn variants_are_held_against_the_first_functions_f64() {
     let functions = "float f(float x) { return x * x - 1.0; }
 float product(float x) { return (x - 1.0) * (x + 1.0); }";
     let file = folder.file("plain.frag", functions);
-    let wrong = format!("wrong={}", folder.file("wrong.frag", "float f(float x) { return x * x; }"));
-    let arguments =
-        [&file, "--fn", "f", "--variant", "product=#product", "--variant", &wrong, "--reader", "cpu"];
+    let wrong =
+        format!("wrong={}", folder.file("wrong.frag", "float f(float x) { return x * x; }"));
+    let arguments = [
+        &file,
+        "--fn",
+        "f",
+        "--variant",
+        "product=#product",
+        "--variant",
+        &wrong,
+        "--reader",
+        "cpu",
+    ];
     let found = bench(&arguments);
     let of = |variant: &str| row(&found, variant, "cpu").errors;
     // A rounding of the square and one of the difference: 2^-23 of the result or of 1.
@@ -137,8 +147,10 @@ fn inputs_are_in_the_domain_of_comments_and_options() {
     let folder = Folder::new("domain");
     // From 2 to 4, the two are apart by 1 of 2 at most.
     let functions = |comment: &str| {
-        format!("float f(float x) {{ {comment}\n    return x;\n}}
-float above(float x) {{\n    return max(x, 3.0);\n}}")
+        format!(
+            "float f(float x) {{ {comment}\n    return x;\n}}
+float above(float x) {{\n    return max(x, 3.0);\n}}"
+        )
     };
     let plain = folder.file("plain.frag", &functions(""));
     let said = folder.file("said.frag", &functions("// x in 2..4"));
@@ -168,8 +180,17 @@ fn half_precision_is_the_evaluators_alone() {
     let folder = Folder::new("half");
     let file = folder.file("square.frag", "float f(float x) { return x * x; }");
     let domain = r#"{"x": [1, 2]}"#;
-    let found =
-        bench(&[&file, "--fn", "f", "--variant", "half=:half", "--domain", domain, "--reader", "cpu,gl"]);
+    let found = bench(&[
+        &file,
+        "--fn",
+        "f",
+        "--variant",
+        "half=:half",
+        "--domain",
+        domain,
+        "--reader",
+        "cpu,gl",
+    ]);
     // f16 has 11 digits and f32 24: half a unit of the one is 2^12 of the other. The argument
     // is rounded too, which the square doubles.
     let ulp = row(&found, "half", "cpu").errors.max_ulp.unwrap();

@@ -315,6 +315,63 @@ struct B { turn: mat2x2f, n: u32 }
 }
 
 #[test]
+fn small_floats_and_long_integers_keep_their_values() {
+    let text = "enable f16;
+fn f(a: f16, b: vec2<f16>, c: u64, d: i64) -> f16 { return a * 2.0h + b.y; }
+@compute @workgroup_size(1) fn main() {}
+";
+    let pure = pure("small.wgsl", text, "f");
+    // Small numbers: halves of whole ones, whose sums a half holds.
+    let lanes = 100;
+    let word = |x: f32| u64::from(x.to_bits());
+    let columns: Vec<Vec<u64>> = vec![
+        (0..lanes).map(|i| word(i as f32 / 2.0)).collect(),
+        vec![0; lanes],
+        (0..lanes).map(|i| word(i as f32 / -4.0)).collect(),
+        vec![u64::MAX; lanes],
+        vec![1; lanes],
+    ];
+    with_readers(|readers| {
+        for reader in readers.iter_mut().filter(|reader| reader.device().reader != "gl") {
+            let name = reader.device().reader;
+            let called = on(reader.as_mut(), &pure, &columns, lanes);
+            let called = called.unwrap_or_else(|failure| panic!("{name}: {failure}"));
+            for (lane, back) in called.results[0][0].iter().enumerate() {
+                assert_eq!(float(*back), lane as f32 * 0.75, "{name}, {lane}");
+            }
+        }
+    });
+}
+
+#[test]
+fn a_block_of_bytes_is_refused_by_name_where_it_cannot_be_given() {
+    let text = "#version 450
+#extension GL_EXT_scalar_block_layout : require
+layout(scalar, binding = 0) uniform Tight { vec3 a; float b[3]; vec3 c; } tight;
+vec3 f() { return tight.a + tight.b[1] + tight.c; }
+void main() {}
+";
+    let pure = pure("tight.frag", text, "f");
+    let words = pure.parameters.iter().any(|parameter| parameter.path.contains("words"));
+    assert!(words, "it is given by member: {:?}", pure.parameters);
+    with_readers(|readers| {
+        for reader in readers.iter_mut() {
+            let name = reader.device().reader;
+            let columns = columns(&pure, 10, 1);
+            match (name, on(reader.as_mut(), &pure, &columns, 10)) {
+                ("gl", Err(failure)) => {
+                    assert!(failure.message.contains("`Tight` is laid out as bytes"), "{failure}");
+                }
+                ("gl", Ok(_)) => panic!("it has no way to give it"),
+                (_, called) => {
+                    called.unwrap_or_else(|failure| panic!("{name}: {failure}"));
+                }
+            }
+        }
+    });
+}
+
+#[test]
 fn a_light_of_a_seed_shader_is_what_the_evaluator_makes_of_it() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/seed/caster_spot_soft_330.frag");
     let text = std::fs::read_to_string(path).expect("the shader is there");

@@ -101,7 +101,7 @@ fn a_normalised_zero_is_told_of_whether_the_driver_hides_it_or_not() {
     for (nth, reader) in both(&report).iter().enumerate() {
         let (nan, hidden) = (reader.tally.nan, reader.hidden.count);
         assert!(nan + hidden > 0, "{}: {nan} NaN, {hidden} hidden", reader.reader);
-        assert_eq!(nan + hidden >= report.total.nan, true, "{}", reader.reader);
+        assert!(nan + hidden >= report.total.nan, "{}", reader.reader);
         let asked = &zero.readers[nth];
         assert_eq!((asked.reader, asked.results.len()), (reader.reader, 3));
         if nan == 0 {
@@ -127,6 +127,28 @@ fn a_seed_shader_with_inputs_and_blocks_runs_on_whoever_takes_it() {
     assert_eq!(gl.failure.as_deref(), Some("OpenGL takes no WGSL"));
     assert!(!gl.ran());
     assert_eq!((gpu.failure.as_deref(), gpu.tally.samples), (None, report.total.samples));
+}
+
+#[test]
+fn the_robust_spot_light_has_no_finding_on_any_driver_in_its_domain() {
+    let domain = r#"{
+        "light.position": "position", "light.direction": "unit",
+        "light.ambient": "color", "light.diffuse": "color", "light.specular": "color",
+        "light.constant": [1, 2], "light.linear": [0, 1], "light.quadratic": [0, 2],
+        "normal": "unit", "viewDir": "unit", "fragPos": "position",
+        "light.cutOff": "cos", "light.outerCutOff": "cos", "material.shininess": [1, 256],
+        "no_coincidence": [["light.cutOff", "light.outerCutOff", 1e-3]]
+    }"#;
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/six_lights/phong_330.frag");
+    let source = Source::read(&file).expect("the shader is there");
+    let report = with_readers(|readers| on(&source, &request("CalcSpotLight", domain), readers));
+    let all: Vec<String> = report.findings.iter().map(|found| found.message()).collect();
+    assert!(all.is_empty(), "{all:?}");
+    for reader in both(&report) {
+        assert_eq!(reader.tally.nan + reader.tally.infinite, 0, "{}", reader.reader);
+        // Half a step is what a finding begins at.
+        assert!(reader.tally.steps.max < 0.5, "{} {}", reader.reader, reader.tally.steps.max);
+    }
 }
 
 /// What a bad driver does.
@@ -193,9 +215,9 @@ fn an_adapter_that_is_wrong_is_told_from_a_formula_that_is() {
         let report = on(&half(), &request("f", r#"{"x": [1, 2]}"#), &mut readers);
         let [reader] = &report.readers[..] else { panic!("one was asked") };
         let odd = if fault == Fault::Nan { &reader.not_finite } else { &reader.apart };
-        // One in 64 by chance, fewer where inputs are round.
+        // One in 64 by chance, fewer where inputs are round, more where climbs lead there.
         let share = odd.count as f64 / report.total.samples as f64;
-        assert!((0.001..=0.03).contains(&share), "{share}");
+        assert!((0.001..=0.2).contains(&share), "{share}");
         assert_eq!(odd.cases[0].verdict, Some(Verdict::Wrong));
         let [found] = &report.findings[..] else { panic!("{}", report.findings.len()) };
         assert_eq!((found.hazard.code, found.level), (code, Level::Deny));
@@ -265,7 +287,7 @@ fn a_limit_holds_on_the_drivers_too() {
         assert_eq!(output.status.code(), Some(1), "{reader}: {}", said(&output));
         let text = String::from_utf8_lossy(&output.stdout).to_string();
         assert!(text.contains(&format!("the same on {reader}")), "{text}");
-        assert!(text.contains("any conformant adapter may do this"), "{text}");
+        assert!(text.contains("as any conformant adapter may be"), "{text}");
     }
 }
 

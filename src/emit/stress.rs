@@ -14,8 +14,8 @@ use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
 use crate::accuracy::stress::words::{figure, name, number};
 use crate::accuracy::stress::{
-    Case, Condition, DriverCase, Family, Found, Odd, Off, Outcome, ReaderReport, Report, Spread,
-    Tally, Verdict, command,
+    Came, Case, Condition, DriverCase, Family, Found, Odd, Off, Outcome, ReaderReport, Report,
+    Spread, Tally, Verdict, command,
 };
 
 /// The JSON Schema of [`json`].
@@ -90,18 +90,16 @@ fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
         let line = format!("{name} {what}: {failure}");
         let _ = writeln!(text, "  {}", paint.text(CAUTION, &line));
     }
-    let mut cases = |what: &str, case: &DriverCase| {
+    for (what, case) in ["largest in ULP", "largest in steps"].iter().zip(&reader.worst) {
         let verdict = match case.verdict {
-            Some(Verdict::Permitted) => "; any conformant adapter may do this",
-            Some(Verdict::Wrong) => "; wrong on this adapter",
+            Some(Verdict::Permitted) => ", as any conformant adapter may be",
+            Some(Verdict::Wrong) => ", wrong on this adapter",
             None => "",
         };
-        let off = match case.off() {
-            Some(off) => format!("{} ULP, {} steps", figure(off.ulp), figure(off.steps)),
-            None => came_to(&case.outcome).to_string(),
-        };
-        let inputs = cut(&case.case.shown());
-        let _ = writeln!(text, "  {name}: {what}: {off} with {inputs}{verdict}");
+        let off = case.off().unwrap_or_default();
+        let (ulp, steps, inputs) = (figure(off.ulp), figure(off.steps), cut(&case.case.shown()));
+        let _ =
+            writeln!(text, "  {name}: {what}: {ulp} ULP, {steps} steps{verdict}, with {inputs}");
         let given = case.results.iter().zip(&case.case.results);
         let given: Vec<String> = given
             .map(|(single, truth)| {
@@ -112,24 +110,16 @@ fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
         for line in [cut(&given.join("; ")), command(&case.case.arguments)] {
             let _ = writeln!(text, "{}", paint.text(FAINT, &format!("    {line}")));
         }
-    };
-    for (what, case) in ["largest in ULP", "largest in steps"].iter().zip(&reader.worst) {
-        cases(what, case);
     }
+    let parted = Odd { count: reader.parted, cases: Vec::new() };
     let odd = [
-        (&reader.not_finite, "not finite here though it is on the evaluator"),
-        (&reader.hidden, "finite here though it is not on the evaluator"),
-        (&reader.apart, "off by more than is asked for though the evaluator is not"),
+        (&reader.not_finite, "not finite where the evaluator is"),
+        (&reader.hidden, "finite where the evaluator is not"),
+        (&reader.apart, "off by more than is asked for where the evaluator is not"),
+        (&parted, "discarded by one of the two"),
     ];
-    for (odd, what) in odd {
-        if let Some(case) = odd.cases.first() {
-            cases(&format!("{what}, {}", times(odd.count)), case);
-        }
-    }
-    if reader.parted > 0 {
-        let line =
-            format!("{name}: discards otherwise than the evaluator, {}", times(reader.parted));
-        let _ = writeln!(text, "  {line}");
+    for (odd, what) in odd.iter().filter(|(odd, _)| odd.count > 0) {
+        let _ = writeln!(text, "  {name}: {} {what}", times(odd.count));
     }
 }
 
@@ -513,7 +503,11 @@ fn odd_object(odd: &Odd) -> OddObject<'_> {
 fn driver_case<'a>(by: Option<&'static str>, found: &'a DriverCase) -> DriverCaseObject<'a> {
     DriverCaseObject {
         by,
-        outcome: came_to(&found.outcome),
+        outcome: match found.outcome {
+            Came::NotANumber => "nan",
+            Came::Infinite => "infinite",
+            Came::Finite(_) => "finite",
+        },
         error: found.off().as_ref().map(off),
         results: found.results.iter().map(|x| single(*x)).collect(),
         permitted: found.verdict.map(|verdict| verdict == Verdict::Permitted),

@@ -86,9 +86,10 @@ impl<'a> Variant<'a> {
         let settings = calls.settings(Precision::Single);
         let called =
             pure.call(columns, calls.count(), &settings).map_err(|failure| failure.message)?;
-        let each = calls.truth().iter().enumerate().map(|(lane, truth)| {
-            (kinds.results(&called, lane, Precision::Single), truth.clone())
-        });
+        let each =
+            calls.truth().iter().enumerate().map(|(lane, truth)| {
+                (kinds.results(&called, lane, Precision::Single), truth.clone())
+            });
         let operations = called.called.notes.counts.operations() as f64;
         let work = Work {
             operations: Some(operations / calls.count().max(1) as f64),

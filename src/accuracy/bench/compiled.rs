@@ -1,8 +1,8 @@
 //! Lighting compiled into this program, as workloads: the forms of
 //! [`light::compiled`](crate::light::compiled) on one thread.
 
-use std::hint::black_box;
 use glam::Vec3;
+use std::hint::black_box;
 
 use super::clock::Took;
 use super::errors::Errors;

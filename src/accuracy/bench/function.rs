@@ -67,8 +67,7 @@ impl Calls {
             |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
         let failed = |message: String| refused(finding(message, &source.path));
         let inputs = input::inputs(pure);
-        let domain =
-            domain(source, pure, &inputs, sampling.domain.as_ref()).map_err(&refused)?;
+        let domain = domain(source, pure, &inputs, sampling.domain.as_ref()).map_err(&refused)?;
         let samples = published(&inputs, &domain, sampling.seed, sampling.calls);
         if samples.len() < sampling.calls {
             let (given, wanted) = (samples.len(), sampling.calls);

@@ -6,12 +6,12 @@
 //! device may give, [`Work`] what it does; [`rank`] says who is better. All of it is a [`Bench`], printed by [`emit::bench`](crate::emit::bench) and drawn by
 //! [`plot`](super::plot).
 
+pub mod called;
 pub mod clock;
 pub mod compiled;
 pub mod counted;
 pub mod driven;
 mod errors;
-pub mod called;
 pub mod function;
 mod kernel;
 pub mod machine;

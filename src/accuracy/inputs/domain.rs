@@ -189,7 +189,12 @@ impl Domain {
     }
 
     /// Moves a sample into the domain; false where that cannot be done.
-    pub(in crate::accuracy) fn fit(&self, sample: &mut [u64], inputs: &[Input], random: &mut Random) -> bool {
+    pub(in crate::accuracy) fn fit(
+        &self,
+        sample: &mut [u64],
+        inputs: &[Input],
+        random: &mut Random,
+    ) -> bool {
         for (within, input) in self.within.iter().zip(inputs) {
             if *within == Within::Any {
                 continue;

@@ -162,7 +162,11 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
 }
 
 /// A sample of those inputs as a scene has them; the light of one owner is as the setting says.
-pub(in crate::accuracy) fn sample(inputs: &[Input], setting: Setting, random: &mut Random) -> Sample {
+pub(in crate::accuracy) fn sample(
+    inputs: &[Input],
+    setting: Setting,
+    random: &mut Random,
+) -> Sample {
     let scalars = inputs.last().map_or(0, |input| input.first + input.len);
     let mut to = vec![0u64; scalars];
     let fragment = single([0; 3].map(|_| random.between(-5.0, 5.0)));

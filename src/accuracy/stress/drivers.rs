@@ -6,9 +6,10 @@
 
 use std::time::{Duration, Instant};
 
-use super::input::Sample;
+use super::input::{Input, Sample};
 use super::measure::{Off, Outcome, floats, outcome_of};
 use super::sample::{Kept, Plan, Tally, top};
+use super::shrink::plausible;
 use crate::run::call::driven::{Driven, DrivenCalled};
 use crate::run::call::pure::{Pure, PureCalled};
 use crate::run::reader::{Device, Failure, Reader};
@@ -88,6 +89,12 @@ impl Why {
     pub const ALL: [Why; 5] = [Why::Ulp, Why::Steps, Why::Apart, Why::NotFinite, Why::Hidden];
 }
 
+/// A sample that is kept, and the floats a driver gave for it.
+pub(super) type Answered = Kept<(Sample, Vec<f32>)>;
+
+/// A driver's name, and by sample the floats it gives, or why it gives none.
+pub(super) type Given = (&'static str, Result<Vec<Vec<f32>>, String>);
+
 /// What one driver made of the samples.
 #[derive(Clone, Debug)]
 pub(super) struct Seen {
@@ -97,7 +104,7 @@ pub(super) struct Seen {
     /// How often each of [`Why`] held; of the largest errors, of no meaning.
     pub counts: [u64; 5],
     /// Samples of each, and the floats it gave.
-    pub tops: [Vec<Kept<(Sample, Vec<f32>)>>; 5],
+    pub tops: [Vec<Answered>; 5],
     /// Samples that one of the two discards.
     pub parted: u64,
     /// Time in the driver, and samples in it.
@@ -114,12 +121,19 @@ struct Seat<'r> {
     seen: Seen,
 }
 
+/// What a driver's results are held against.
+struct Judge<'r> {
+    inputs: &'r [Input],
+    floats: Vec<(usize, usize)>,
+    /// Errors from which on a sample is kept.
+    steps: f64,
+    ulp: f64,
+}
+
 /// All drivers that were asked for.
 pub(super) struct Drivers<'r> {
     seats: Vec<Seat<'r>>,
-    floats: Vec<(usize, usize)>,
-    steps: f64,
-    ulp: f64,
+    judge: Judge<'r>,
     /// Climbs are of few samples: they wait for each other.
     waiting: Batch,
     climbs: usize,
@@ -130,7 +144,12 @@ const WAITING: usize = 1024;
 
 impl<'r> Drivers<'r> {
     /// Takes the readers that are drivers: the evaluator runs in any case.
-    pub fn new(pure: &'r Pure, readers: &'r mut [Box<dyn Reader>], plan: &Plan) -> Drivers<'r> {
+    pub fn new(
+        pure: &'r Pure,
+        inputs: &'r [Input],
+        readers: &'r mut [Box<dyn Reader>],
+        plan: &Plan,
+    ) -> Drivers<'r> {
         let drivers = readers.iter_mut().filter(|reader| reader.device().reader != "cpu");
         let seats = drivers.map(|reader| {
             let device = reader.device().clone();
@@ -152,9 +171,7 @@ impl<'r> Drivers<'r> {
         });
         Drivers {
             seats: seats.collect(),
-            floats: floats(pure),
-            steps: plan.steps,
-            ulp: plan.ulp,
+            judge: Judge { inputs, floats: floats(pure), steps: plan.steps, ulp: plan.ulp },
             waiting: Batch::default(),
             climbs: 0,
         }
@@ -165,14 +182,33 @@ impl<'r> Drivers<'r> {
         self.seats.iter().all(|seat| seat.seen.failure.is_some())
     }
 
-    /// Runs a batch on each.
-    pub fn run(&mut self, batch: &Batch) {
-        let Drivers { seats, floats, steps, ulp, .. } = self;
-        for seat in seats {
-            if let Some(called) = seat.call(&batch.columns, batch.outcomes.len()) {
-                seat.seen.judge(batch, &called, floats, (*steps, *ulp));
-            }
-        }
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.seats.len()
+    }
+
+    /// Runs a batch on each, and says what its samples came to there.
+    pub fn run(&mut self, batch: &Batch) -> Vec<Vec<Outcome>> {
+        let Drivers { seats, judge, .. } = self;
+        let each = seats.iter_mut().map(|seat| {
+            let called = seat.call(&batch.columns, batch.outcomes.len());
+            called.map_or(Vec::new(), |called| seat.seen.judge(batch, &called, judge))
+        });
+        each.collect()
+    }
+
+    /// Runs a few samples of a climb now.
+    pub fn climbed(&mut self, mut batch: Batch) -> Vec<Vec<Outcome>> {
+        // After all that were drawn.
+        batch.at = (usize::MAX, self.climbs);
+        self.climbs += batch.outcomes.len();
+        self.run(&batch)
+    }
+
+    /// Where to climb from on one of them, and how high that is.
+    pub fn starts(&self, driver: usize, why: Why) -> Vec<(Sample, f64)> {
+        let tops = &self.seats[driver].seen.tops[why as usize];
+        tops.iter().map(|kept| (kept.sample.0.clone(), kept.severity)).collect()
     }
 
     /// Runs a few samples of a climb, sooner or later.
@@ -188,22 +224,15 @@ impl<'r> Drivers<'r> {
 
     /// Runs what still waits.
     pub fn flush(&mut self) {
-        let mut batch = std::mem::take(&mut self.waiting);
-        if batch.outcomes.is_empty() {
-            return;
+        let batch = std::mem::take(&mut self.waiting);
+        if !batch.outcomes.is_empty() {
+            self.climbed(batch);
         }
-        // After all that were drawn.
-        batch.at = (usize::MAX, self.climbs);
-        self.climbs += batch.outcomes.len();
-        self.run(&batch);
     }
 
     /// The floats each driver gives for samples, or why it gives none.
-    pub fn ask(
-        &mut self,
-        samples: &[Sample],
-    ) -> Vec<(&'static str, Result<Vec<Vec<f32>>, String>)> {
-        let floats = &self.floats;
+    pub fn ask(&mut self, samples: &[Sample]) -> Vec<Given> {
+        let floats = &self.judge.floats;
         let each = self.seats.iter_mut().map(|seat| {
             let columns = super::sample::columns(samples);
             let called = seat.call(&columns, samples.len());
@@ -253,6 +282,15 @@ fn singles<'c>(
     floats.iter().map(move |&(nth, at)| f32::from_bits(called.results[nth][at][lane] as u32))
 }
 
+/// How far finite results are off; none where an `f32` cannot hold what they should be.
+pub(super) fn error(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Option<Off> {
+    let held = |nth| pair(nth).1.abs() <= f64::from(f32::MAX);
+    match outcome_of(count, &pair) {
+        Outcome::Off(off, _) if (0..count).all(held) => Some(off),
+        Outcome::Off(..) | Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+    }
+}
+
 /// What a driver's results come to by themselves, and against the truth.
 enum Verdict {
     NotFinite(Outcome),
@@ -261,37 +299,42 @@ enum Verdict {
 }
 
 impl Seen {
-    fn judge(
-        &mut self,
-        batch: &Batch,
-        called: &DrivenCalled,
-        floats: &[(usize, usize)],
-        (steps, ulp): (f64, f64),
-    ) {
+    fn judge(&mut self, batch: &Batch, called: &DrivenCalled, judge: &Judge<'_>) -> Vec<Outcome> {
+        let mut outcomes = Vec::new();
         if batch.special {
-            return;
+            return outcomes;
         }
+        let Judge { inputs, floats, steps, ulp } = judge;
         for (lane, theirs) in batch.outcomes.iter().enumerate() {
             let at = (batch.at.0, batch.at.1 + lane);
             let sample = || (batch.sample(lane), singles(called, floats, lane).collect());
             match (called.discarded[lane], *theirs == Outcome::Discarded) {
                 (true, true) => {
                     self.tally.add(Outcome::Discarded);
+                    outcomes.push(Outcome::Discarded);
                     continue;
                 }
                 (false, false) => {}
                 (true, false) | (false, true) => {
                     self.tally.samples += 1;
                     self.parted += 1;
+                    outcomes.push(Outcome::Discarded);
                     continue;
                 }
             }
             let finite = matches!(theirs, Outcome::Off(..));
+            // Numbers as scenes have them go before all others, as they do in findings.
+            let rank = |severity: f64, sample: &Sample| {
+                let below_one = (severity.max(1.0e-300).log2() + 1000.0) / 3000.0;
+                below_one + if plausible(inputs, sample) { 1.0 } else { 0.0 }
+            };
             match verdict(called, floats, batch, lane) {
                 Verdict::NotFinite(outcome) => {
                     self.tally.add(outcome);
+                    outcomes.push(outcome);
                     if finite {
                         let severity = if outcome == Outcome::NotANumber { 2.0 } else { 1.0 };
+                        let severity = rank(severity, &batch.sample(lane));
                         self.keep(Why::NotFinite, severity, at, sample);
                     }
                 }
@@ -300,20 +343,27 @@ impl Seen {
                         Some(off) => self.tally.add(Outcome::Off(off, false)),
                         None => self.tally.samples += 1,
                     }
+                    outcomes.push(off.map_or(Outcome::Infinite, |off| Outcome::Off(off, false)));
                     if !finite {
-                        self.keep(Why::Hidden, 1.0, at, sample);
+                        let severity = rank(1.0, &batch.sample(lane));
+                        self.keep(Why::Hidden, severity, at, sample);
                     }
                     let Some(off) = off else { continue };
                     self.keep(Why::Ulp, off.ulp, at, sample);
                     self.keep(Why::Steps, off.steps, at, sample);
-                    let far = |off: &Off| off.steps >= steps || off.ulp >= ulp;
-                    let fine = matches!(theirs, Outcome::Off(own, _) if !far(own));
-                    if fine && far(&off) {
-                        self.keep(Why::Apart, off.steps, at, sample);
+                    let Outcome::Off(own, _) = theirs else { continue };
+                    let fine = own.steps < *steps && own.ulp < *ulp;
+                    // A little more than what is just allowed is no other kind of error.
+                    let far = off.steps >= *steps && off.steps > 2.0 * own.steps
+                        || off.ulp >= *ulp && off.ulp > 2.0 * own.ulp;
+                    if fine && far {
+                        let severity = rank(off.steps, &batch.sample(lane));
+                        self.keep(Why::Apart, severity, at, sample);
                     }
                 }
             }
         }
+        outcomes
     }
 
     fn keep(
@@ -350,8 +400,5 @@ fn verdict(
         let single = f32::from_bits(called.results[result][at][lane] as u32);
         (single, batch.doubles[nth][lane])
     };
-    Verdict::Finite(match outcome_of(floats.len(), pair) {
-        Outcome::Off(off, _) => Some(off),
-        Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
-    })
+    Verdict::Finite(error(floats.len(), pair))
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use rustc_hash::FxHashMap;
 
 use super::classify::{Candidate, Examined, examine};
-use super::climb::{Climbs, climb};
+use super::climb::{Climbs, Whose, climb};
 use super::generate::Generator;
 use super::hazard;
 use super::input::Sample;
@@ -71,7 +71,16 @@ pub(super) fn findings(
     for (_, kept) in losses.take(4) {
         let steps = |off: &super::measure::Off| off.steps;
         climbed.push(
-            climb(pure, generator, plan_of_climbs, &kept.sample, steps, &mut random, climbs).0,
+            climb(
+                pure,
+                generator,
+                plan_of_climbs,
+                &kept.sample,
+                (steps, Whose::Evaluator),
+                &mut random,
+                climbs,
+            )
+            .0,
         );
     }
     for sample in &climbed {

@@ -36,7 +36,7 @@ pub use condition::Condition;
 pub use generate::Family;
 pub use map::{MapRequest, error_map};
 pub use permitted::{Permitted, Verdict};
-pub use readers::{DriverCase, Odd, ReaderReport};
+pub use readers::{Came, DriverCase, Odd, ReaderReport};
 pub use report::{Against, Asked, Case, Found, Report, ResultScalar, Worst, command};
 pub use rewrite::Gain;
 pub use sample::Tally;
@@ -46,7 +46,7 @@ use crate::run::call::pure::{Pure, PureRequest};
 use crate::run::reader::Reader;
 use crate::source::Source;
 use crate::{Diagnostic, Options, Severity};
-use climb::Climbs;
+use climb::{Climbs, Whose};
 use drivers::Drivers;
 use generate::Generator;
 use random::Random;
@@ -115,8 +115,8 @@ pub fn stress(
     let inputs = input::inputs(&pure);
     let refused =
         |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
-    let domain = super::inputs::domain(source, &pure, &inputs, request.domain.as_ref())
-        .map_err(&refused)?;
+    let domain =
+        super::inputs::domain(source, &pure, &inputs, request.domain.as_ref()).map_err(&refused)?;
     let against = match &request.against {
         Some((source, other)) => Some(Pure::new(source, options, other)?),
         None => None,
@@ -137,7 +137,7 @@ pub fn stress(
     let failed = |failure: crate::run::reader::Failure| {
         refused(finding("cannot-run", failure.message, None, &source.path))
     };
-    let mut drivers = Drivers::new(&pure, readers, &plan);
+    let mut drivers = Drivers::new(&pure, &inputs, readers, &plan);
     let started = Instant::now();
     let sampled = sample::run(&pure, &generator, &plan, &mut drivers, progress);
     let mut sampled = sampled.map_err(&failed)?;
@@ -155,6 +155,8 @@ pub fn stress(
         .collect();
     let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
     let worst = worst(&pure, &generator, &climbing, &sampled, &mut climbs);
+    let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
+    worst_on_drivers(&pure, &generator, &climbing, &mut climbs);
     let exemplars = std::mem::take(&mut sampled.exemplars);
     let mut raws = find::findings(&pure, &generator, &after, exemplars, until, &mut climbs);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
@@ -200,7 +202,15 @@ fn worst(
     for (which, height) in heights.into_iter().enumerate() {
         let mut best: Option<(Sample, Off)> = None;
         for start in sampled.starts(which) {
-            let found = climb::climb(pure, generator, plan, start, height, &mut random, climbs);
+            let found = climb::climb(
+                pure,
+                generator,
+                plan,
+                start,
+                (height, Whose::Evaluator),
+                &mut random,
+                climbs,
+            );
             if best.as_ref().is_none_or(|(_, off)| height(&found.1) > height(off)) {
                 best = Some(found);
             }
@@ -208,6 +218,28 @@ fn worst(
         all.extend(best);
     }
     all
+}
+
+/// Climbs from the worst samples of each driver, which keeps what it finds there.
+fn worst_on_drivers(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    climbs: &mut Climbs<'_, '_>,
+) {
+    climbs.drivers.flush();
+    let mut random = Random::new(13, 13);
+    let height = |why: drivers::Why| {
+        move |off: &Off| if why == drivers::Why::Ulp { off.ulp } else { off.steps }
+    };
+    for driver in 0..climbs.drivers.len() {
+        for why in [drivers::Why::Ulp, drivers::Why::Steps] {
+            for (start, from) in climbs.drivers.starts(driver, why) {
+                let up = (height(why), Whose::Driver(driver, from));
+                climb::climb(pure, generator, plan, &start, up, &mut random, climbs);
+            }
+        }
+    }
 }
 
 fn finding(code: &'static str, message: String, help: Option<String>, about: &str) -> Diagnostic {

@@ -3,13 +3,15 @@
 //! Made of what [`drivers`](super::drivers) kept; part of the [`Report`](super::Report).
 
 use super::condition::{Condition, condition};
-use super::drivers::{Drivers, Why};
+use super::drivers::{Answered, Drivers, Why, error};
 use super::hazard::{self, Hazard};
 use super::input::{Input, Sample};
-use super::measure::{Off, Outcome, floats, outcome_of};
-use super::permitted::{Verdict, verdict};
-use super::report::{Case, case};
+use super::measure::{Off, Outcome, floats};
+use super::permitted::{Permitted, Verdict, permitted, verdict};
+use super::report::{Asked, Case, Found, case, place_of_name};
 use super::sample::{Plan, Tally, columns, settings};
+use super::shrink::plausible;
+use crate::lint::Level;
 use crate::run::call::pure::Pure;
 use crate::run::reader::{Device, Failure};
 use crate::source::Source;
@@ -48,17 +50,30 @@ pub struct Odd {
     pub cases: Vec<DriverCase>,
 }
 
+/// What a driver's results come to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Came {
+    /// One is NaN.
+    NotANumber,
+    /// One is infinite.
+    Infinite,
+    /// All are finite; how far off, where an `f32` can hold what they should be.
+    Finite(Option<Off>),
+}
+
 /// A sample on a driver.
 #[derive(Clone, Debug)]
 pub struct DriverCase {
     /// What it came to there.
-    pub outcome: Outcome,
+    pub outcome: Came,
     /// The floats it gives, in the order of the results.
     pub results: Vec<f32>,
     /// Whether a conformant device may give these; none where that is not known, as of `f16`.
     pub verdict: Option<Verdict>,
     /// What the inputs' own rounding does.
     pub condition: Option<Condition>,
+    /// Whether the inputs are numbers as scenes have them.
+    pub plausible: bool,
     /// The sample, and how to repeat it there.
     pub case: Case,
 }
@@ -67,8 +82,8 @@ impl DriverCase {
     /// Its error, where it has one.
     pub fn off(&self) -> Option<Off> {
         match self.outcome {
-            Outcome::Off(off, _) => Some(off),
-            Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+            Came::Finite(off) => off,
+            Came::NotANumber | Came::Infinite => None,
         }
     }
 }
@@ -119,7 +134,7 @@ pub(super) struct Writing<'a> {
 pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<ReaderReport> {
     let mut reports = Vec::new();
     for seen in drivers.seen() {
-        let case = |kept: &super::sample::Kept<(Sample, Vec<f32>)>| {
+        let case = |kept: &Answered| {
             let (sample, results) = &kept.sample;
             written(writing, &seen.device, sample, results)
         };
@@ -158,16 +173,17 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
     let Writing { pure, inputs, plan, source } = writing;
     let truth = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings(plan, false));
     let floats = floats(pure);
-    let outcome = truth.map_or(Outcome::Discarded, |truth| {
-        outcome_of(floats.len(), |nth| {
+    let off = truth.ok().and_then(|truth| {
+        error(floats.len(), |nth| {
             let (result, at) = floats[nth];
-            let single = results.get(nth).copied().unwrap_or(f32::NAN);
-            let double = truth.results[result].doubles[at][0];
-            // Where only the truth is not finite, the driver's number stands by itself.
-            let finite = single.is_finite() && !double.is_finite();
-            (single, if finite { f64::from(single) } else { double })
+            (results[nth], truth.results[result].doubles[at][0])
         })
     });
+    let outcome = match off {
+        _ if results.iter().any(|x| x.is_nan()) => Came::NotANumber,
+        _ if results.iter().any(|x| x.is_infinite()) => Came::Infinite,
+        off => Came::Finite(off),
+    };
     let mut case = case(pure, plan, source, sample);
     case.arguments.extend(["--reader".to_string(), device.reader.to_string()]);
     DriverCase {
@@ -175,6 +191,59 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
         results: results.to_vec(),
         verdict: verdict(pure, sample, plan, results),
         condition: condition(pure, inputs, sample, plan),
+        plausible: plausible(inputs, sample),
         case,
+    }
+}
+
+/// What is wrong on a driver alone: where in the function is not known.
+pub(super) fn on_a_driver(
+    pure: &Pure,
+    plan: &Plan,
+    reader: &'static str,
+    (hazard, found, seen): (&'static Hazard, &DriverCase, u64),
+) -> Found {
+    let wrong = found.verdict == Some(Verdict::Wrong);
+    let sample = &found.case.words;
+    Found {
+        hazard,
+        level: match (wrong, found.plausible) {
+            (true, true) => Level::Deny,
+            (false, true) => hazard.level,
+            (_, false) => Level::Warn,
+        },
+        place: place_of_name(pure),
+        reader: Some(reader),
+        operation: None,
+        kind: None,
+        about: Vec::new(),
+        outcome: match found.outcome {
+            Came::NotANumber => Outcome::NotANumber,
+            Came::Infinite => Outcome::Infinite,
+            Came::Finite(off) => Outcome::Off(off.unwrap_or_default(), false),
+        },
+        breach: None,
+        case: found.case.clone(),
+        condition: found.condition.clone(),
+        gain: None,
+        // By what the driver gives, not the evaluator.
+        permitted: permitted(pure, sample, plan).map(|p| Permitted { any: !wrong, ..p }),
+        against: None,
+        readers: Vec::new(),
+        seen: usize::try_from(seen).unwrap_or(usize::MAX),
+        plausible: found.plausible,
+    }
+}
+
+/// Has the drivers call the function with the input of each finding.
+pub(super) fn ask(drivers: &mut Drivers<'_>, findings: &mut [Found]) {
+    let samples: Vec<Sample> = findings.iter().map(|found| found.case.words.clone()).collect();
+    for (reader, given) in drivers.ask(&samples) {
+        for (nth, found) in findings.iter_mut().enumerate() {
+            found.readers.push(match &given {
+                Ok(given) => Asked { reader, results: given[nth].clone(), failure: None },
+                Err(why) => Asked { reader, results: Vec::new(), failure: Some(why.clone()) },
+            });
+        }
     }
 }

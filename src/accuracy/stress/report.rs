@@ -13,8 +13,8 @@ use super::generate::Family;
 use super::hazard::{self, Hazard};
 use super::input::{Input, Sample};
 use super::measure::{Off, Outcome, outcome};
-use super::permitted::{Permitted, Verdict, permitted};
-use super::readers::{DriverCase, ReaderReport, Writing, reports};
+use super::permitted::{Permitted, permitted};
+use super::readers::{ReaderReport, Writing, ask, on_a_driver, reports};
 use super::rewrite::{Gain, gain};
 use super::sample::{Plan, Tally, columns, settings};
 use super::{Request, measure};
@@ -305,52 +305,8 @@ fn endless(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Found 
     }
 }
 
-/// What is wrong on a driver alone: where in the function is not known.
-fn on_a_driver(
-    pure: &Pure,
-    plan: &Plan,
-    reader: &'static str,
-    (hazard, found, seen): (&'static Hazard, &DriverCase, u64),
-) -> Found {
-    let wrong = found.verdict == Some(Verdict::Wrong);
-    let sample = &found.case.words;
-    Found {
-        hazard,
-        level: if wrong { Level::Deny } else { hazard.level },
-        place: place_of_name(pure),
-        reader: Some(reader),
-        operation: None,
-        kind: None,
-        about: Vec::new(),
-        outcome: found.outcome,
-        breach: None,
-        case: found.case.clone(),
-        condition: found.condition.clone(),
-        gain: None,
-        // By what the driver gives, not the evaluator.
-        permitted: permitted(pure, sample, plan).map(|p| Permitted { any: !wrong, ..p }),
-        against: None,
-        readers: Vec::new(),
-        seen: usize::try_from(seen).unwrap_or(usize::MAX),
-        plausible: true,
-    }
-}
-
-/// Has the drivers call the function with the input of each finding.
-fn ask(drivers: &mut Drivers<'_>, findings: &mut [Found]) {
-    let samples: Vec<Sample> = findings.iter().map(|found| found.case.words.clone()).collect();
-    for (reader, given) in drivers.ask(&samples) {
-        for (nth, found) in findings.iter_mut().enumerate() {
-            found.readers.push(match &given {
-                Ok(given) => Asked { reader, results: given[nth].clone(), failure: None },
-                Err(why) => Asked { reader, results: Vec::new(), failure: Some(why.clone()) },
-            });
-        }
-    }
-}
-
 /// The place of the function's name.
-fn place_of_name(pure: &Pure) -> Place {
+pub(super) fn place_of_name(pure: &Pure) -> Place {
     let span = pure.name_span.unwrap_or_default();
     let at = pure.files.locate(span);
     let shown = format!("{}:{}:{}", at.path, at.line, at.column);

@@ -209,7 +209,7 @@ pub(super) fn run(
             };
             let handles: Vec<_> = (0..threads).map(spawn).collect();
             drop(to);
-            from.iter().for_each(|batch| drivers.run(&batch));
+            from.iter().for_each(|batch| drop(drivers.run(&batch)));
             handles.into_iter().map(|h| h.join().expect("sampling does not panic")).collect()
         })
     };

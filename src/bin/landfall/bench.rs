@@ -71,12 +71,7 @@ struct About {
 }
 
 /// Measures in turns and ranks.
-fn measured(
-    about: About,
-    entries: Entries<'_>,
-    args: &BenchArgs,
-    streams: &Streams,
-) -> Bench {
+fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Streams) -> Bench {
     let Entries { measured: mut entries, mut failed } = entries;
     let machine = Machine::here();
     let rounds = Rounds { count: args.rounds, ..Rounds::default() };

@@ -7,6 +7,7 @@ mod arguments;
 mod caller;
 pub mod driven;
 mod driver;
+mod effects;
 mod find;
 pub mod pure;
 pub(crate) mod report;

@@ -8,8 +8,8 @@ use std::thread;
 use super::frame::{Frame, invalid};
 use super::wire::{Ask, Reply, Times, WireDevice, WireFound, stage};
 use crate::run::Module;
-use crate::run::processor;
 use crate::run::devices::Found;
+use crate::run::processor;
 use crate::run::reader::{Answer, Failure, Job, Reader};
 
 /// Which driver is loaded.

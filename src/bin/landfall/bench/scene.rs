@@ -6,8 +6,8 @@ use std::rc::Rc;
 
 use landfall::accuracy::bench::clock::Clock;
 use landfall::accuracy::bench::compiled::Compiled;
-use landfall::accuracy::bench::scene::Stage;
 use landfall::accuracy::bench::counted;
+use landfall::accuracy::bench::scene::Stage;
 use landfall::accuracy::bench::shader::{Shader, Shared};
 use landfall::accuracy::bench::uploaded::Uploaded;
 use landfall::accuracy::bench::{Bench, Permitted, Runner, Size, Unit, Work};
@@ -113,9 +113,7 @@ pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failu
     let uploaded = variants.iter().zip(&renderers).zip(&stages).map(|(((_, what), r), stage)| {
         let renderer = r.as_ref()?;
         Some(match what {
-            What::Shader(_, _, Some(plan)) => {
-                Uploaded::by_plan(stage, renderer, args.limit, plan)
-            }
+            What::Shader(_, _, Some(plan)) => Uploaded::by_plan(stage, renderer, args.limit, plan),
             What::Shader(_, _, None) | What::Rust(..) | What::Plan(_) => {
                 Uploaded::new(stage, renderer, args.limit)
             }
@@ -152,14 +150,13 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
             Some(("rust", form)) => {
                 let least = form.strip_prefix("robust=").and_then(|x| x.parse::<f64>().ok());
                 let least = least.filter(|least| (0.0..1.0).contains(least)).ok_or_else(|| {
-                    wrong(name, format!("`{form}` is no form that is compiled in"))
-                        .with_help("forms are `seed`, `robust`, `ungated`, and `robust=POWER`, POWER below 1")
+                    wrong(name, format!("`{form}` is no form that is compiled in")).with_help(
+                        "forms are `seed`, `robust`, `ungated`, and `robust=POWER`, POWER below 1",
+                    )
                 })?;
                 rust(Gates::ALL, least)
             }
-            Some(("plan", options)) => {
-                What::Plan(plan(options)?)
-            }
+            Some(("plan", options)) => What::Plan(plan(options)?),
             _ => {
                 let (what, floats) = rounded(what);
                 let (file, plan) = match what.split_once("+plan:") {

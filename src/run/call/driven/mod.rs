@@ -158,7 +158,11 @@ impl Driven<'_> {
         };
         let unit = self.code.lanes.unit();
         let fitting = (MOST_BYTES / (words * 4)).min(most);
-        (fitting / unit * unit).max(unit)
+        match self.code.lanes {
+            // Less than a row is a row of its own.
+            Lanes::Pixels if fitting < unit => fitting.max(1),
+            Lanes::Pixels | Lanes::Groups(_) | Lanes::Vertices => (fitting / unit * unit).max(unit),
+        }
     }
 }
 
