@@ -326,7 +326,7 @@ fn evaluator(table: &mut Table) {
         for _ in 0..4 {
             reader.run(job).expect("the job runs");
         }
-        start.passed().0.as_secs_f64()
+        start.passed().time.as_secs_f64()
     };
     let mut pairs = Vec::new();
     for pair in 0..=LONG {

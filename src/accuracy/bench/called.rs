@@ -1,6 +1,6 @@
 //! A function over the calls of a bench by the evaluator, as a workload.
 //!
-//! Takes [`Calls`]; what is subtracted is a [`kernel`](super::kernel) of the same words that
+//! Takes [`Calls`]; what is subtracted is a kernel of the same words that
 //! computes nothing.
 
 use std::hint::black_box;

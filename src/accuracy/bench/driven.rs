@@ -1,7 +1,7 @@
 //! A function over the calls of a bench by a driver, as a workload.
 //!
 //! Takes a [`Variant`]; a run is the jobs of [`Driven`] with their upload and read-back, of which
-//! the [`kernel`](super::kernel) of the same words has as much.
+//! the kernel of the same words has as much.
 
 use super::called::Variant;
 use super::clock::{Stopwatch, Took};

@@ -1,6 +1,7 @@
 //! Which inputs a function is meant for: from JSON by path, and from comments in the shader.
 //!
-//! Made by [`domain`](super::domain()) of what is asked; every sample is fitted into it.
+//! Made of what [`stress`](crate::accuracy::stress) and [`bench`](mod@crate::accuracy::bench) are
+//! asked for; every sample is fitted into it.
 
 use serde_json::Value;
 

@@ -120,11 +120,11 @@ pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<B
         }
     }
     let whose = match truth {
-        0 => "its own f64".to_string(),
+        0 => "the function's own f64".to_string(),
         _ => format!("the f64 of {}", made[truth].name),
     };
     let about = About {
-        subject: format!("{name} of {}, seed {}", args.subject.display(), args.seed),
+        subject: format!("{name} of {}, inputs of seed {}", args.subject.display(), args.seed),
         truth: whose,
         unit: Unit::Call,
         size: Size { fragments: calls.count() as u64, lights: 0 },
