@@ -190,6 +190,25 @@ fn a_shader_that_does_not_end_times_out_and_the_next_job_works() {
 }
 
 #[test]
+fn the_other_process_says_how_long_it_worked_and_the_device_if_it_is_asked() {
+    for behind in BOTH {
+        let mut driver = open(&behind);
+        assert_eq!(driver.processor_time(), None, "no job has run");
+        driver.run(&adding()).unwrap();
+        assert!(driver.processor_time().is_some_and(|time| !time.is_zero()), "{behind:?}");
+        assert_eq!(driver.device_time(), None, "nobody asked for it");
+        let mut timed = Remote::open(Launch { timed: true, ..launch(&behind) }).unwrap();
+        timed.run(&adding()).unwrap();
+        // OpenGL's reader has no timestamps.
+        assert_eq!(timed.device_time().is_some(), behind != Behind::Gl);
+        // A job that fails leaves none of the last one's.
+        let nothing = Job { stages: Vec::new(), ..adding() };
+        timed.run(&nothing).unwrap_err();
+        assert_eq!((timed.device_time(), timed.processor_time()), (None, None));
+    }
+}
+
+#[test]
 fn a_driver_that_crashes_says_by_which_signal_and_the_next_job_works() {
     for behind in &BOTH {
         let mut reader = open(behind);
