@@ -4,11 +4,11 @@
 //! Takes chunks of [`generate`](super::generate); feeds [`find`](super::find).
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rustc_hash::FxHashMap;
 
+use super::deadline::Deadline;
 use super::generate::{Chunk, Family, Generator, TAG_BITS};
 use super::input::Sample;
 use super::measure::{Outcome, Spread, floats, outcome};
@@ -99,7 +99,7 @@ const KEPT: usize = 6000;
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub samples: u64,
-    pub until: Option<Instant>,
+    pub until: Deadline,
     pub threads: usize,
     /// Errors from which on a sample is kept.
     pub steps: f64,
@@ -139,8 +139,8 @@ impl Sampled {
     }
 }
 
-/// Says how far it is, and is told whether to go on.
-pub(super) type Progress<'p> = &'p (dyn Fn(u64) -> bool + Sync);
+/// Says how far it is.
+pub(super) type Progress<'p> = &'p (dyn Fn(u64) + Sync);
 
 /// Runs samples until there are enough, the time is up, or somebody says stop.
 pub(super) fn run(
@@ -152,12 +152,10 @@ pub(super) fn run(
     // The next chunk, and the samples of those before it: the same for any number of threads.
     let claimed = Mutex::new((0usize, 0u64));
     let done = AtomicU64::new(0);
-    let stop = AtomicBool::new(false);
     let work = || -> Result<Sampled, Failure> {
         let mut mine = Worker::new(pure, plan);
         loop {
-            let late = plan.until.is_some_and(|until| Instant::now() >= until);
-            if late || stop.load(Ordering::Relaxed) {
+            if plan.until.is_over() {
                 mine.sampled.stopped |= done.load(Ordering::Relaxed) < plan.samples;
                 break;
             }
@@ -175,9 +173,7 @@ pub(super) fn run(
             let lanes = chunk.samples.len() as u64;
             mine.run(number, &chunk)?;
             let all = done.fetch_add(lanes.max(1), Ordering::Relaxed) + lanes;
-            if !progress(all) {
-                stop.store(true, Ordering::Relaxed);
-            }
+            progress(all);
         }
         Ok(mine.finish())
     };
@@ -254,7 +250,7 @@ impl<'a> Worker<'a> {
                 Ok(())
             }
             Err(failure) if failure.kind == FailureKind::TimedOut => {
-                if self.plan.until.is_some_and(|until| Instant::now() >= until) {
+                if self.plan.until.is_over() {
                     self.sampled.stopped = true;
                     return Ok(());
                 }
@@ -368,7 +364,7 @@ pub(super) fn settings(plan: &Plan, watch: bool) -> Settings {
         precision: Precision::Both,
         watch,
         budget: plan.budget,
-        deadline: plan.until,
+        deadline: plan.until.end(),
         threads: 1,
         ..Settings::default()
     }
