@@ -19,7 +19,7 @@ use wgpu::{
 };
 
 use super::device::Open;
-use super::spirv;
+use super::{needs, spirv};
 use crate::run::Module;
 use crate::run::reader::{Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel};
 use crate::source::Stage;
@@ -134,7 +134,10 @@ impl Pipelines {
         }
         let doing = format!("the {} shader", stage.name());
         let made = open.hear(&doing, || match code {
-            Code::Module(module) => Ok(of_module(open, module.ir.clone())),
+            Code::Module(module) => match needs::lacking(&module.ir, open.device.features()) {
+                Some(failure) => Err(failure),
+                None => Ok(of_module(open, module.ir.clone())),
+            },
             Code::Corners => Ok(of_module(open, corners().clone())),
             Code::Spirv(words) => {
                 let workgroup_size = spirv::workgroup_size(words)?;

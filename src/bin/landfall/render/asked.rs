@@ -231,14 +231,7 @@ impl Asked {
             RenderError::Bind(error) => {
                 let message = error.to_string();
                 let mut found = plain(error.code(), message, error.help(), &self.path);
-                let key = match error {
-                    landfall::light::bind::BindError::UnknownTarget { key, .. }
-                    | landfall::light::bind::BindError::UnknownQuantity { key, .. }
-                    | landfall::light::bind::BindError::Misfit { key, .. } => Some(key),
-                    landfall::light::bind::BindError::NoLights { .. }
-                    | landfall::light::bind::BindError::TooManyLights { .. } => None,
-                };
-                let at = key.and_then(|key| self.reading.place(&format!("bind.{key}")));
+                let at = error.at().and_then(|path| self.reading.place(&path));
                 if let Some(span) = at {
                     found.labels.push(landfall::Label { span, text: String::new() });
                 }
