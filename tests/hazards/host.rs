@@ -79,8 +79,9 @@ fn the_host_refuses_each_scene_at_its_place() {
 fn the_host_takes_the_twin_of_each_scene_it_refuses() {
     for row in rows() {
         let (id, cases) = (text(&row, "id"), row["scenes"].as_array().into_iter().flatten());
-        let of =
-            |class: &str| cases.clone().filter(move |case| text(&case["expect"], "class") == class);
+        let of = |class: &'static str| {
+            cases.clone().filter(move |case| text(&case["expect"], "class") == class)
+        };
         assert_eq!(of("refused").count() > 0, of("taken").count() > 0, "{id} has no twins");
         for case in of("taken") {
             let reading = reading(&written(case, &case["scene"]));
