@@ -22,6 +22,7 @@ use super::device::Open;
 use super::{needs, spirv};
 use crate::run::Module;
 use crate::run::reader::{Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel};
+use crate::run::runs::Runs;
 use crate::source::Stage;
 
 /// The pipelines of one device.
@@ -249,21 +250,11 @@ fn binding(resource: &Resource) -> Option<(u32, u32, Binding)> {
 }
 
 fn visibility(stage: Stage) -> ShaderStages {
-    match stage {
-        Stage::Vertex => ShaderStages::VERTEX,
-        Stage::Fragment => ShaderStages::FRAGMENT,
-        Stage::Compute => ShaderStages::COMPUTE,
-        Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => ShaderStages::NONE,
+    match Runs::of(stage) {
+        Some(Runs::Vertex) => ShaderStages::VERTEX,
+        Some(Runs::Fragment) => ShaderStages::FRAGMENT,
+        Some(Runs::Compute) => ShaderStages::COMPUTE,
+        None => ShaderStages::NONE,
     }
 }
 

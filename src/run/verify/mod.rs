@@ -18,7 +18,8 @@ use crate::buffer::Buffer;
 use crate::layout::BlockLayout;
 use crate::run::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::run::probe::{Got, Sighting, cause, judge, words};
-use crate::run::reader::{Failure, FailureKind, Grid, Job, Reader, Resource, ResourceKind, Texel};
+use crate::run::reader::{Failure, FailureKind, Job, Reader, Resource, ResourceKind};
+use crate::run::runs::Runs;
 use crate::run::spirv;
 use crate::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
 use crate::source::{Source, Stage};
@@ -285,15 +286,18 @@ impl Verifier<'_> {
             reads: Vec::new(),
             causes: Vec::new(),
         };
-        if let Some(reason) = code::not_for(name, self.source, self.block, stage) {
-            report.outcome = Outcome::Skipped;
-            report.reason = Some(reason);
-            return report;
-        }
+        let runs = match code::fits(name, self.source, self.block, stage) {
+            Ok(runs) => runs,
+            Err(reason) => {
+                report.outcome = Outcome::Skipped;
+                report.reason = Some(reason);
+                return report;
+            }
+        };
         let mut sightings = Vec::new();
         for element in elements(&self.block.count) {
             for plan in plans.reads.iter().chain(&plans.writes) {
-                match self.run(reader, stage, &element, plan, buffer) {
+                match self.run(reader, runs, &element, plan, buffer) {
                     Ok(seen) => sightings.extend(seen),
                     Err(failure) => {
                         self.refused(reader, stage, failure, &mut report);
@@ -355,7 +359,7 @@ impl Verifier<'_> {
     fn run(
         &self,
         reader: &mut dyn Reader,
-        stage: Stage,
+        stage: Runs,
         element: &[u32],
         plan: &Plan,
         buffer: u64,
@@ -390,7 +394,7 @@ impl Verifier<'_> {
         &self,
         reader: &mut dyn Reader,
         code: &Code,
-        stage: Stage,
+        stage: Runs,
         plan: &Plan,
         bytes: Vec<u8>,
     ) -> Result<Words, Failure> {
@@ -423,22 +427,7 @@ impl Verifier<'_> {
         let job = Job {
             stages: code.stages.clone(),
             resources,
-            grid: match stage {
-                Stage::Vertex => Grid::Points { count: 1, texel: Texel::Uint },
-                Stage::Fragment => Grid::Image { width: 1, height: 1, texel: Texel::Uint },
-                Stage::Compute
-                | Stage::TessellationControl
-                | Stage::TessellationEvaluation
-                | Stage::Geometry
-                | Stage::Task
-                | Stage::Mesh
-                | Stage::RayGeneration
-                | Stage::Intersection
-                | Stage::AnyHit
-                | Stage::ClosestHit
-                | Stage::Miss
-                | Stage::Callable => Grid::Groups([1, 1, 1]),
-            },
+            grid: stage.once(),
             limit: self.options.limit,
         };
         let mut answer = reader.run(&job)?;
