@@ -159,6 +159,22 @@ pub struct Member {
     pub comment: Vec<Span>,
 }
 
+impl Member {
+    /// One of which the text says no more than its name and its type.
+    pub fn plain(name: Arc<str>, ty: Type, span: Span) -> Member {
+        Member {
+            name,
+            ty,
+            majorness: None,
+            offset: None,
+            align: None,
+            size: None,
+            span,
+            comment: Vec::new(),
+        }
+    }
+}
+
 /// Where a block lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AddressSpace {

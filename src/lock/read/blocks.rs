@@ -411,14 +411,8 @@ fn structure(name: &str, members: &[MemberLayout], span: Span) -> Type {
     // GLSL's `struct { … }` is spelled without a name of its own.
     let name = if name == "struct" { "" } else { name };
     let declared = |member: &MemberLayout| Member {
-        name: member.name.clone(),
-        ty: member.ty.clone(),
         majorness: member.row_major.then_some(Majorness::Row),
-        offset: None,
-        align: None,
-        size: None,
-        span: member.span,
-        comment: Vec::new(),
+        ..Member::plain(member.name.clone(), member.ty.clone(), member.span)
     };
     let members = members.iter().map(declared).collect();
     Type::Struct(Arc::new(Struct::new(Arc::from(name), members, Vec::new(), span)))

@@ -371,14 +371,8 @@ impl<'a> Reader<'a> {
             // `uniform float a[];` takes its size from its use; it has no offset to be wrong.
             match self.array(name, data, dims, type_dims, true) {
                 Ok(ty) => self.loose.push(Member {
-                    name: name.text.into(),
-                    ty,
-                    majorness: None,
-                    offset: None,
-                    align: None,
-                    size: None,
-                    span: name.span,
                     comment: comment.clone(),
+                    ..Member::plain(name.text.into(), ty, name.span)
                 }),
                 Err(diagnostic) => problems.push(diagnostic),
             }
