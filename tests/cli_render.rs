@@ -160,7 +160,7 @@ fn what_cannot_be_rendered_is_named() {
         ),
         (
             vec!["shaders/scenes/lights_1024.json", "--shader", SHADER],
-            &["1024 point lights", "slots for 4", "--leave-out"],
+            &["1024 point lights", "slots for 4", "--leave-out", "lights_1024.json:22:25"],
         ),
         (vec![SCENE, "--shader", SHADER, "--model", "phong"], &["`multi`, `array`"]),
         (vec![SCENE, "--shader", SHADER, "-o", "a.bmp"], &["a.bmp", "png"]),
