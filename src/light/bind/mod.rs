@@ -188,6 +188,20 @@ impl BindError {
         }
     }
 
+    /// Where in the scene it is, as [`Reading::place`](crate::light::scene::Reading::place) takes
+    /// it: the first light without a slot, or the entry of the binding.
+    pub fn at(&self) -> Option<String> {
+        match self {
+            BindError::NoLights { .. } => None,
+            BindError::TooManyLights { kind, slots, .. } => {
+                Some(format!("lights.{}[{slots}]", kind.name()))
+            }
+            BindError::UnknownTarget { key, .. }
+            | BindError::UnknownQuantity { key, .. }
+            | BindError::Misfit { key, .. } => Some(format!("bind.{key}")),
+        }
+    }
+
     /// What mends it.
     pub fn help(&self) -> Option<String> {
         match self {

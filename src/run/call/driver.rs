@@ -17,7 +17,8 @@ use crate::run::bound;
 use crate::run::eval::ValueType;
 use crate::run::module::{Direction, Parameter};
 use crate::run::probe::{glsl, wgsl};
-use crate::run::reader::{Failure, Grid, Job, Reader, Resource, ResourceKind, StageCode, Texel};
+use crate::run::reader::{Failure, Job, Reader, Resource, ResourceKind, StageCode};
+use crate::run::runs::Runs;
 use crate::run::verify::{access, code, every, partner};
 use crate::shape::{AddressSpace, Scalar, ScalarKind};
 use crate::source::{Language, Source, Stage};
@@ -55,7 +56,7 @@ pub(super) fn run(
         ("gl", Language::Wgsl) => return Err(Failure::refused("OpenGL takes no WGSL", "")),
         ("gl", Language::Glsl) => original(source, options, request, found, &slots)?,
         (_, Language::Glsl) => {
-            let stage = source.stage.unwrap_or(Stage::Compute);
+            let stage = Runs::or_refused(source.stage.unwrap_or(Stage::Compute))?;
             let text = glsl_text(source, &found.info.name, found, &slots, stage);
             module(source, options, request, &text, stage, "main")?
         }
@@ -70,7 +71,7 @@ pub(super) fn run(
                 module(source, options, request, &text, stage, ENTRY)
             };
             // Derivatives and sampling are a fragment's.
-            at(Stage::Compute).or_else(|failure| at(Stage::Fragment).map_err(|_| failure))?
+            at(Runs::Compute).or_else(|failure| at(Runs::Fragment).map_err(|_| failure))?
         }
     };
     let Made { stages, mut resources, results, stage } = made;
@@ -85,22 +86,7 @@ pub(super) fn run(
     words.resize(slots.words as usize * 4, 0);
     let kind = ResourceKind::Storage { bytes: words, writable: true };
     resources.insert(0, Resource { kind, ..results });
-    let grid = match stage {
-        Stage::Vertex => Grid::Points { count: 1, texel: Texel::Uint },
-        Stage::Fragment => Grid::Image { width: 1, height: 1, texel: Texel::Uint },
-        Stage::Compute
-        | Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => Grid::Groups([1, 1, 1]),
-    };
+    let grid = stage.once();
     let answer = reader.run(&Job { stages, resources, grid, limit: request.limit })?;
     let bytes = answer.buffers.into_iter().next().flatten();
     let bytes = bytes.ok_or_else(|| Failure::died("the results did not come back", ""))?;
@@ -113,7 +99,7 @@ struct Made {
     resources: Vec<Resource>,
     /// Where the results are bound; its bytes are not there yet.
     results: Resource,
-    stage: Stage,
+    stage: Runs,
 }
 
 fn slots(found: &Found<'_>) -> Result<Slots, Failure> {
@@ -181,7 +167,7 @@ fn original(
         Some(ported) => Cow::Borrowed(&ported.source),
         None => code::opened(source, &options.read),
     };
-    let stage = source.stage.unwrap_or(Stage::Compute);
+    let stage = Runs::or_refused(source.stage.unwrap_or(Stage::Compute))?;
     let function = match &ported {
         Some(ported) => ported.new_path(&found.info.name),
         None => found.info.name.clone(),
@@ -194,27 +180,16 @@ fn original(
         glsl: Some(text),
         spirv: None,
     };
-    let own = code(stage, text);
+    let own = code(stage.into(), text);
     let stages = match stage {
-        Stage::Vertex => {
+        Runs::Vertex => {
             vec![own, code(Stage::Fragment, partner::fragment(&opened).text.to_string())]
         }
-        Stage::Fragment => {
+        Runs::Fragment => {
             let vertex = zeroed(&partner::vertex(&opened, &options.read), &own, &opened, options);
             vec![code(Stage::Vertex, vertex), own]
         }
-        Stage::Compute
-        | Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => vec![own],
+        Runs::Compute => vec![own],
     };
     // The module knows the textures by the names of the text.
     let made = Module::new(source, options).map_err(|found| refused(&found))?;
@@ -291,10 +266,10 @@ fn module(
     options: &Options,
     request: &Request,
     text: &str,
-    stage: Stage,
+    stage: Runs,
     entry: &str,
 ) -> Result<Made, Failure> {
-    let text = Source { text: Arc::from(text), stage: Some(stage), ..source.clone() };
+    let text = Source { text: Arc::from(text), stage: Some(stage.into()), ..source.clone() };
     let module = Module::new(&text, options).and_then(without_interface);
     let module = module.map_err(|found| refused(&found))?;
     let is_results =
@@ -319,8 +294,8 @@ fn module(
         glsl: None,
         spirv: None,
     };
-    let mut stages = vec![code(stage, entry, module)];
-    if stage == Stage::Vertex {
+    let mut stages = vec![code(stage.into(), entry, module)];
+    if stage == Runs::Vertex {
         let made = Module::new(&partner::fragment(source), &Options::default());
         stages.push(code(Stage::Fragment, "main", made.map_err(|found| refused(&found))?));
     }
@@ -337,7 +312,7 @@ fn glsl_text(
     function: &str,
     found: &Found<'_>,
     slots: &Slots,
-    stage: Stage,
+    stage: Runs,
 ) -> String {
     let head = glsl::Head::of(&source.text);
     let mut text = glsl::aside(source, &head);
@@ -423,7 +398,7 @@ fn wgsl_text(
     parameters: &[Parameter],
     found: &Found<'_>,
     slots: &Slots,
-    stage: Stage,
+    stage: Runs,
 ) -> String {
     let mut text = source.text.to_string();
     let binding = wgsl::free_binding(&text);
@@ -482,27 +457,6 @@ fn wgsl_text(
             slot += wide(scalar);
         }
     }
-    let _ = match stage {
-        Stage::Fragment => writeln!(
-            text,
-            "@fragment fn {ENTRY}() -> @location(0) vec4<u32> {{\n{body}    \
-             return vec4<u32>(0u);\n}}"
-        ),
-        Stage::Vertex
-        | Stage::Compute
-        | Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => {
-            writeln!(text, "@compute @workgroup_size(1) fn {ENTRY}() {{\n{body}}}")
-        }
-    };
+    wgsl::entry(&mut text, ENTRY, stage, &body);
     text
 }
