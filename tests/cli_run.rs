@@ -106,8 +106,12 @@ fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
         assert_eq!(row(&text, "result.z")[0], "6.0", "{reader}");
         assert!(text.contains("it reads `v_normal`, which are zero"), "{text}");
     }
-    let text = ran(&path, &["--fn", "lit", "--args", light, "--input", "v_normal=[0, 0, 0.5]"]);
-    assert_eq!(row(&text, "result.z")[0], "6.5");
+    for reader in ["cpu", "gl", "gpu"] {
+        let input = ["--input", "v_normal=[0, 0, 0.5]", "--reader", reader];
+        let text = ran(&path, &[&["--fn", "lit", "--args", light][..], &input].concat());
+        assert_eq!(row(&text, "result.z")[0], "6.5", "{reader}");
+        assert!(!text.contains("v_normal"), "{text}");
+    }
 }
 
 #[test]

@@ -14,7 +14,8 @@ use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
 use crate::accuracy::stress::words::{figure, name, number};
 use crate::accuracy::stress::{
-    Case, Condition, Family, Found, Off, Outcome, Report, Spread, Tally, command,
+    Came, Case, Condition, DriverCase, Family, Found, Odd, Off, Outcome, ReaderReport, Report,
+    Spread, Tally, Verdict, command,
 };
 
 /// The JSON Schema of [`json`].
@@ -64,12 +65,69 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
             let _ = writeln!(text, "{}", paint.text(FAINT, &line));
         }
     }
+    stressed.readers.iter().for_each(|reader| driver(reader, paint, &mut text));
     for note in &stressed.notes {
         let _ = writeln!(text, "  {}", paint.text(FAINT, note));
     }
     text.push('\n');
     text.push_str(&rendered(stressed, ReportFormat::Human, paint));
     text
+}
+
+/// What a driver made of the samples, below the table.
+fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
+    let name = reader.reader;
+    if let Some(device) = &reader.device {
+        let version = format!("{} {}", device.driver, device.version);
+        let rate = match reader.ran() {
+            true => format!(", {} samples a second", grouped(reader.rate)),
+            false => String::new(),
+        };
+        let _ = writeln!(text, "  {name}: {}, {}{rate}", device.adapter, version.trim());
+    }
+    if let Some(failure) = &reader.failure {
+        let what = if reader.ran() { "stopped" } else { "did not run" };
+        let line = format!("{name} {what}: {failure}");
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, &line));
+    }
+    for (what, case) in ["largest in ULP", "largest in steps"].iter().zip(&reader.worst) {
+        let verdict = match case.verdict {
+            Some(Verdict::Permitted) => ", as any conformant adapter may be",
+            Some(Verdict::Wrong) => ", wrong on this adapter",
+            None => "",
+        };
+        let off = case.off().unwrap_or_default();
+        let (ulp, steps, inputs) = (figure(off.ulp), figure(off.steps), cut(&case.case.shown()));
+        let _ =
+            writeln!(text, "  {name}: {what}: {ulp} ULP, {steps} steps{verdict}, with {inputs}");
+        let given = case.results.iter().zip(&case.case.results);
+        let given: Vec<String> = given
+            .map(|(single, truth)| {
+                let (single, double) = (number(f64::from(*single)), number(truth.double));
+                format!("{} is {single}, should be {double}", truth.path)
+            })
+            .collect();
+        for line in [cut(&given.join("; ")), command(&case.case.arguments)] {
+            let _ = writeln!(text, "{}", paint.text(FAINT, &format!("    {line}")));
+        }
+    }
+    let parted = Odd { count: reader.parted, cases: Vec::new() };
+    let odd = [
+        (&reader.not_finite, "not finite where the evaluator is"),
+        (&reader.hidden, "finite where the evaluator is not"),
+        (&reader.apart, "off by more than is asked for where the evaluator is not"),
+        (&parted, "discarded by one of the two"),
+    ];
+    for (odd, what) in odd.iter().filter(|(odd, _)| odd.count > 0) {
+        let _ = writeln!(text, "  {name}: {} {what}", times(odd.count));
+    }
+}
+
+fn times(count: u64) -> String {
+    match count {
+        1 => "1 sample".to_string(),
+        count => format!("{count} samples"),
+    }
 }
 
 /// A page with the map of errors and the findings below it.
@@ -137,6 +195,9 @@ fn table(stressed: &Report, paint: Paint, text: &mut String) {
         }
     }
     row("all finite inputs", &stressed.total);
+    for reader in stressed.readers.iter().filter(|reader| reader.ran()) {
+        row(&format!("the same on {}", reader.reader), &reader.tally);
+    }
     let widths: Vec<usize> = (0..head.len())
         .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
         .collect();
@@ -177,6 +238,7 @@ struct Object<'a> {
     families: Vec<FamilyObject>,
     total: TallyObject,
     worst: Vec<WorstObject<'a>>,
+    readers: Vec<ReaderObject<'a>>,
     findings: Vec<FoundObject<'a>>,
     notes: &'a [String],
 }
@@ -205,6 +267,46 @@ struct TallyObject {
     ulp: SpreadObject,
     relative: SpreadObject,
     steps: SpreadObject,
+}
+
+#[derive(Serialize)]
+struct ReaderObject<'a> {
+    reader: &'a str,
+    adapter: Option<&'a str>,
+    driver: Option<&'a str>,
+    version: Option<&'a str>,
+    software: Option<bool>,
+    failure: Option<&'a str>,
+    samples: u64,
+    samples_per_second: f64,
+    discarded: u64,
+    discards_otherwise: u64,
+    nan: u64,
+    infinite: u64,
+    ulp: SpreadObject,
+    relative: SpreadObject,
+    steps: SpreadObject,
+    worst: Vec<DriverCaseObject<'a>>,
+    not_finite_here: OddObject<'a>,
+    finite_here: OddObject<'a>,
+    apart: OddObject<'a>,
+}
+
+#[derive(Serialize)]
+struct OddObject<'a> {
+    samples: u64,
+    cases: Vec<DriverCaseObject<'a>>,
+}
+
+#[derive(Serialize)]
+struct DriverCaseObject<'a> {
+    by: Option<&'static str>,
+    outcome: &'static str,
+    error: Option<OffObject>,
+    results: Vec<Value>,
+    permitted: Option<bool>,
+    condition: Option<ConditionObject<'a>>,
+    case: CaseObject<'a>,
 }
 
 #[derive(Serialize)]
@@ -260,6 +362,7 @@ struct FoundObject<'a> {
     line: Option<u32>,
     column: Option<u32>,
     excerpt: &'a str,
+    reader: Option<&'static str>,
     undefined: Option<&'static str>,
     operation: Option<OperationObject>,
     about: &'a [String],
@@ -354,17 +457,66 @@ pub fn json(stressed: &Report) -> String {
                 case: case(&worst.sample),
             })
             .collect(),
+        readers: stressed.readers.iter().map(reader_object).collect(),
         findings: stressed.findings.iter().map(|found| finding(stressed, found)).collect(),
         notes: &stressed.notes,
     };
     format!("{}\n", to_lines(&object, 0))
 }
 
+fn spread(spread: &Spread) -> SpreadObject {
+    SpreadObject { max: plain(spread.max), p999: plain(spread.quantile(SHARE)) }
+}
+
+fn reader_object(reader: &ReaderReport) -> ReaderObject<'_> {
+    let device = reader.device.as_ref();
+    let tally = &reader.tally;
+    let worst = ["ulp", "steps"].into_iter().zip(&reader.worst);
+    ReaderObject {
+        reader: reader.reader,
+        adapter: device.map(|device| device.adapter.as_str()),
+        driver: device.map(|device| device.driver.as_str()),
+        version: device.map(|device| device.version.as_str()),
+        software: device.map(|device| device.software),
+        failure: reader.failure.as_deref(),
+        samples: tally.samples,
+        samples_per_second: reader.rate,
+        discarded: tally.discarded,
+        discards_otherwise: reader.parted,
+        nan: tally.nan,
+        infinite: tally.infinite,
+        ulp: spread(&tally.ulp),
+        relative: spread(&tally.relative),
+        steps: spread(&tally.steps),
+        worst: worst.map(|(by, found)| driver_case(Some(by), found)).collect(),
+        not_finite_here: odd_object(&reader.not_finite),
+        finite_here: odd_object(&reader.hidden),
+        apart: odd_object(&reader.apart),
+    }
+}
+
+fn odd_object(odd: &Odd) -> OddObject<'_> {
+    let cases = odd.cases.iter().map(|found| driver_case(None, found)).collect();
+    OddObject { samples: odd.count, cases }
+}
+
+fn driver_case<'a>(by: Option<&'static str>, found: &'a DriverCase) -> DriverCaseObject<'a> {
+    DriverCaseObject {
+        by,
+        outcome: match found.outcome {
+            Came::NotANumber => "nan",
+            Came::Infinite => "infinite",
+            Came::Finite(_) => "finite",
+        },
+        error: found.off().as_ref().map(off),
+        results: found.results.iter().map(|x| single(*x)).collect(),
+        permitted: found.verdict.map(|verdict| verdict == Verdict::Permitted),
+        condition: found.condition.as_ref().map(condition),
+        case: case(&found.case),
+    }
+}
+
 fn tally_object(tally: &Tally) -> TallyObject {
-    let spread = |spread: &Spread| SpreadObject {
-        max: plain(spread.max),
-        p999: plain(spread.quantile(SHARE)),
-    };
     TallyObject {
         samples: tally.samples,
         discarded: tally.discarded,
@@ -446,6 +598,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
         column: place.as_ref().map(|place| place.column),
         path: place.map(|place| place.path),
         excerpt: stressed.files.text(found.place.span),
+        reader: found.reader,
         undefined: found.kind.map(crate::run::eval::UndefinedKind::text),
         operation: found.operation.as_ref().map(|operation| OperationObject {
             name: name(operation.operation),

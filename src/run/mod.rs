@@ -27,6 +27,7 @@ pub mod reader;
 pub mod reflection;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 pub mod remote;
+mod rewrite;
 mod runs;
 pub mod spirv;
 pub mod verify;

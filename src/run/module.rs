@@ -274,6 +274,15 @@ impl Module {
         })
     }
 
+    /// A binding nobody has, nor those after it, in a group that somebody has: adapters have few
+    /// groups.
+    pub(super) fn free_place(&self) -> (u32, u32) {
+        let taken = || self.ir.global_variables.iter().filter_map(|(_, global)| global.binding);
+        let group = taken().map(|at| at.group).min().unwrap_or(0);
+        let last = taken().filter(|at| at.group == group).map(|at| at.binding).max();
+        (group, last.map_or(0, |last| last.saturating_add(1)))
+    }
+
     pub(super) fn validated(mut self) -> Result<Module, Vec<Diagnostic>> {
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
         let ir = &self.ir;

@@ -2,6 +2,7 @@
 //!
 //! Feeds [`find`](super::find).
 
+use super::drivers::{Batch, Drivers};
 use super::generate::Generator;
 use super::input::{Input, Sample, float};
 use super::measure::{Off, Outcome, floats, outcome};
@@ -16,19 +17,37 @@ const NEIGHBOURS: usize = 64;
 const ROUNDS: usize = 48;
 const PATIENCE: usize = 10;
 
+/// What is kept of the samples of climbs, and who else runs them.
+pub(super) struct Climbs<'c, 'r> {
+    pub tally: Tally,
+    pub drivers: &'c mut Drivers<'r>,
+}
+
+/// Whose error a climb is up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Whose {
+    Evaluator,
+    /// Of the driver of that number, which is as high where the climb starts.
+    Driver(usize, f64),
+}
+
 /// Climbs from a sample as high as an error goes.
 pub(super) fn climb(
     pure: &Pure,
     generator: &Generator<'_>,
     plan: &Plan,
     start: &Sample,
-    height: impl Fn(&Off) -> f64,
+    (height, whose): (impl Fn(&Off) -> f64, Whose),
     random: &mut Random,
-    tally: &mut Tally,
+    climbs: &mut Climbs<'_, '_>,
 ) -> (Sample, Off) {
     let (inputs, domain) = (generator.inputs, generator.domain);
     let floats = floats(pure);
     let mut best = (start.clone(), Off::default());
+    let mut highest = match whose {
+        Whose::Evaluator => 0.0,
+        Whose::Driver(_, height) => height,
+    };
     let mut idle = 0;
     for round in 0..ROUNDS {
         if plan.until.is_over() || idle > PATIENCE {
@@ -47,18 +66,34 @@ pub(super) fn climb(
                 samples.push(best.0.clone());
             }
         }
-        let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings(plan, false))
-        else {
+        let columns = columns(&samples);
+        let Ok(called) = pure.call(&columns, samples.len(), &settings(plan, false)) else {
             break;
         };
         idle += 1;
-        for (lane, sample) in samples.iter().enumerate() {
-            let outcome = outcome(&called, &floats, lane);
-            if round > 0 || lane > 0 {
-                tally.add(outcome);
+        let lanes = 0..samples.len();
+        let mut outcomes: Vec<Outcome> =
+            lanes.map(|lane| outcome(&called, &floats, lane)).collect();
+        let mut batch = Batch::of(columns, called, &floats, outcomes.clone());
+        // The first was run where it was found.
+        let known = usize::from(round == 0);
+        (0..known).for_each(|_| batch.drop_first());
+        outcomes[known..].iter().for_each(|outcome| climbs.tally.add(*outcome));
+        match whose {
+            Whose::Evaluator => climbs.drivers.add(batch),
+            Whose::Driver(driver, _) => {
+                let there = climbs.drivers.climbed(batch).swap_remove(driver);
+                if there.is_empty() {
+                    break;
+                }
+                samples.drain(..known);
+                outcomes = there;
             }
+        }
+        for (lane, (sample, outcome)) in samples.iter().zip(outcomes).enumerate() {
             if let Outcome::Off(off, _) = outcome {
-                if height(&off) > height(&best.1) {
+                if height(&off) > highest {
+                    highest = height(&off);
                     idle = if lane == 0 { idle } else { 0 };
                     best = (sample.clone(), off);
                 }

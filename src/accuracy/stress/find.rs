@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use rustc_hash::FxHashMap;
 
 use super::classify::{Candidate, Examined, examine};
-use super::climb::climb;
+use super::climb::{Climbs, Whose, climb};
 use super::generate::Generator;
 use super::hazard;
 use super::input::Sample;
 use super::measure::Outcome;
 use super::random::Random;
-use super::sample::{Exemplars, Kept, Plan, Tally, Why};
+use super::sample::{Exemplars, Kept, Plan, Why};
 use super::shrink::{plausible, shrink};
 use crate::run::call::pure::Pure;
 
@@ -54,7 +54,7 @@ pub(super) fn findings(
     generator: &Generator<'_>,
     plan: &Plan,
     exemplars: Exemplars,
-    tally: &mut Tally,
+    climbs: &mut Climbs<'_, '_>,
 ) -> Vec<Raw> {
     let inputs = generator.inputs;
     let mut groups: FxHashMap<Key, Group> = FxHashMap::default();
@@ -73,7 +73,16 @@ pub(super) fn findings(
     for (_, kept) in losses.take(4) {
         let steps = |off: &super::measure::Off| off.steps;
         climbed.push(
-            climb(pure, generator, plan_of_climbs, &kept.sample, steps, &mut random, tally).0,
+            climb(
+                pure,
+                generator,
+                plan_of_climbs,
+                &kept.sample,
+                (steps, Whose::Evaluator),
+                &mut random,
+                climbs,
+            )
+            .0,
         );
     }
     for sample in &climbed {

@@ -129,6 +129,12 @@ hazards! {
     ENDLESS_LOOP = "" "endless-loop" Deny
         "a loop does not end within the budget"
         "bound it by a constant: `i < min(count, N)`";
+    DRIVER_NOT_FINITE = "" "driver-not-finite" Deny
+        "a driver gives no finite number where the evaluator does"
+        "keep operands of division, `pow`, `log` and `exp` where every device is held to an error";
+    DRIVER_APART = "" "driver-apart" Warn
+        "a driver is off by more than the evaluator is"
+        "use operations of smaller permitted error: multiplications for `pow`, `x * inversesqrt(d)` for a division by a length";
 }
 
 /// The hazard of that code.

@@ -49,14 +49,20 @@ pub(super) fn outcome(called: &PureCalled, floats: &[(usize, usize)], lane: usiz
     if called.called.discarded.get(lane).copied().unwrap_or(false) {
         return Outcome::Discarded;
     }
-    let pair = |&(result, at): &(usize, usize)| {
+    let pair = |nth: usize| {
+        let (result, at) = floats[nth];
         let numbers = &called.results[result];
         (f32::from_bits(numbers.words[at][lane] as u32), numbers.doubles[at][lane])
     };
+    outcome_of(floats.len(), pair)
+}
+
+/// What so many numbers come to, each an `f32` and what it should be.
+pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Outcome {
     let mut infinite = false;
     let mut scale = 1.0f64;
-    for each in floats {
-        let (single, double) = pair(each);
+    for nth in 0..count {
+        let (single, double) = pair(nth);
         if single.is_nan() || double.is_nan() {
             return Outcome::NotANumber;
         }
@@ -68,8 +74,8 @@ pub(super) fn outcome(called: &PureCalled, floats: &[(usize, usize)], lane: usiz
     }
     let mut worst = Off::default();
     let mut above = false;
-    for each in floats {
-        let (single, double) = pair(each);
+    for nth in 0..count {
+        let (single, double) = pair(nth);
         let off = off(single, double, scale);
         above = if off.steps > worst.steps { f64::from(single) > double } else { above };
         worst.ulp = worst.ulp.max(off.ulp);

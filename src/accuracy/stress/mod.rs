@@ -11,6 +11,7 @@ mod comments;
 mod condition;
 mod deadline;
 pub mod domain;
+mod drivers;
 mod find;
 mod generate;
 pub mod hazard;
@@ -19,6 +20,7 @@ mod map;
 mod measure;
 mod permitted;
 mod random;
+mod readers;
 mod report;
 mod rewrite;
 pub mod role;
@@ -40,17 +42,21 @@ pub use generate::Family;
 pub use input::{Input, Sample};
 pub use map::{MapRequest, error_map};
 pub use measure::{Off, Outcome, Spread};
-pub use permitted::Permitted;
+pub use permitted::{Permitted, Verdict};
+pub use readers::{Came, DriverCase, Odd, ReaderReport};
 pub use report::{Against, Asked, Case, Found, Report, ResultScalar, Worst, command};
 pub use rewrite::Gain;
 pub use sample::Tally;
 
 use crate::run::call::Refusal;
 use crate::run::call::pure::{Pure, PureRequest};
+use crate::run::reader::Reader;
 use crate::source::Source;
 use crate::{Diagnostic, Options, Severity};
+use climb::{Climbs, Whose};
 use deadline::Deadline;
 use domain::Domain;
+use drivers::Drivers;
 use generate::Generator;
 use random::Random;
 use sample::Plan;
@@ -105,6 +111,10 @@ const GRACE: Duration = Duration::from_secs(1);
 
 /// Stresses a function; `progress` is told how many samples ran.
 ///
+/// The evaluator runs every sample in `f32` and `f64`, and each driver among the readers runs it
+/// too and is held against that `f64`. A driver that fails is left out from there on, and the
+/// report says why.
+///
 /// # Errors
 /// A shader that does not run; a function it does not have or that cannot be called by itself; a
 /// domain that is empty or about something else.
@@ -112,6 +122,7 @@ pub fn stress(
     source: &Source,
     options: &Options,
     request: &Request,
+    readers: &mut [Box<dyn Reader>],
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Report, Box<Refusal>> {
     let began = Instant::now();
@@ -140,30 +151,35 @@ pub fn stress(
     let failed = |failure: crate::run::reader::Failure| {
         refused(finding("cannot-run", failure.message, None, &source.path))
     };
+    let mut drivers = Drivers::new(&pure, &inputs, readers, &plan);
     let started = Instant::now();
-    let mut sampled = sample::run(&pure, &generator, &plan, progress).map_err(&failed)?;
+    let sampled = sample::run(&pure, &generator, &plan, &mut drivers, progress);
+    let mut sampled = sampled.map_err(&failed)?;
     let sampling = started.elapsed();
     let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
     let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
     let until = Deadline::after(Some(more), &request.stop).with_grace(GRACE);
     let after = Plan { until: until.clone(), ..plan.clone() };
-    let mut climbed = Tally::default();
+    let mut climbs = Climbs { tally: Tally::default(), drivers: &mut drivers };
     let endless: Vec<Sample> = sampled
         .exemplars
         .iter()
         .filter(|((_, why), _)| *why == sample::Why::Endless)
         .map(|(_, kept)| kept.sample.clone())
         .collect();
-    let climbing = Plan { until: until.sooner(until.left().unwrap_or(more) / 4), ..plan.clone() };
-    let worst = worst(&pure, &generator, &climbing, &sampled, &mut climbed);
+    let climbing =
+        || Plan { until: until.sooner(until.left().unwrap_or(more) / 4), ..plan.clone() };
+    let worst = worst(&pure, &generator, &climbing(), &sampled, &mut climbs);
+    worst_on_drivers(&pure, &generator, &climbing(), &mut climbs);
     let exemplars = std::mem::take(&mut sampled.exemplars);
-    let mut raws = find::findings(&pure, &generator, &after, exemplars, &mut climbed);
+    let mut raws = find::findings(&pure, &generator, &after, exemplars, &mut climbs);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
     if let Some((_, tally)) =
         sampled.families.iter_mut().find(|(family, _)| *family == Family::Climbed)
     {
-        tally.merge(&climbed);
+        tally.merge(&climbs.tally);
     }
+    drivers.flush();
     // What is written up is run again, each a sample, whatever the time is.
     let writing = Plan { until: Deadline::default(), ..plan.clone() };
     Ok(report::report(report::Made {
@@ -177,6 +193,7 @@ pub fn stress(
         families: sampled.families,
         raws,
         worst,
+        drivers,
         endless,
         stopped: sampled.stopped || until.is_stopped(),
         rate: ran as f64 / sampling.as_secs_f64().max(1.0e-9),
@@ -191,7 +208,7 @@ fn worst(
     generator: &Generator<'_>,
     plan: &Plan,
     sampled: &sample::Sampled,
-    tally: &mut Tally,
+    climbs: &mut Climbs<'_, '_>,
 ) -> Vec<(Sample, Off)> {
     let mut random = Random::new(11, 11);
     let mut all = Vec::new();
@@ -199,7 +216,15 @@ fn worst(
     for (which, height) in heights.into_iter().enumerate() {
         let mut best: Option<(Sample, Off)> = None;
         for start in sampled.starts(which) {
-            let found = climb::climb(pure, generator, plan, start, height, &mut random, tally);
+            let found = climb::climb(
+                pure,
+                generator,
+                plan,
+                start,
+                (height, Whose::Evaluator),
+                &mut random,
+                climbs,
+            );
             if best.as_ref().is_none_or(|(_, off)| height(&found.1) > height(off)) {
                 best = Some(found);
             }
@@ -207,6 +232,28 @@ fn worst(
         all.extend(best);
     }
     all
+}
+
+/// Climbs from the worst samples of each driver, which keeps what it finds there.
+fn worst_on_drivers(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    climbs: &mut Climbs<'_, '_>,
+) {
+    climbs.drivers.flush();
+    let mut random = Random::new(13, 13);
+    let height = |why: drivers::Why| {
+        move |off: &Off| if why == drivers::Why::Ulp { off.ulp } else { off.steps }
+    };
+    for driver in 0..climbs.drivers.len() {
+        for why in [drivers::Why::Ulp, drivers::Why::Steps] {
+            for (start, from) in climbs.drivers.starts(driver, why) {
+                let up = (height(why), Whose::Driver(driver, from));
+                climb::climb(pure, generator, plan, &start, up, &mut random, climbs);
+            }
+        }
+    }
 }
 
 fn domain_of(

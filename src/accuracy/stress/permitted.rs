@@ -19,6 +19,37 @@ pub struct Permitted {
     pub any: bool,
 }
 
+/// Whether a driver may give what it gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Any conformant adapter may do this.
+    Permitted,
+    /// No conformant adapter may: this one is wrong.
+    Wrong,
+}
+
+/// Whether the floats a driver gave lie within what is permitted at a sample; none where that is
+/// not known.
+pub(super) fn verdict(pure: &Pure, sample: &Sample, plan: &Plan, given: &[f32]) -> Option<Verdict> {
+    let around = Settings { precision: Precision::Permitted, ..settings(plan, false) };
+    let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &around).ok()?;
+    // A branch that may go the other way may lead anywhere.
+    if called.called.unsure.first().copied().unwrap_or(false) {
+        return Some(Verdict::Permitted);
+    }
+    for ((nth, at), single) in floats(pure).into_iter().zip(given) {
+        let [low, high] = called.results[nth].permitted.as_ref()?.get(at)?[0];
+        let any = low == f64::NEG_INFINITY && high == f64::INFINITY || low.is_nan();
+        let single = f64::from(*single);
+        // NaN is within nothing.
+        let within = any || (low..=high).contains(&single);
+        if !within {
+            return Some(Verdict::Wrong);
+        }
+    }
+    Some(Verdict::Permitted)
+}
+
 /// What is permitted at a sample; none where it is not known, as of `f16`.
 pub(super) fn permitted(pure: &Pure, sample: &Sample, plan: &Plan) -> Option<Permitted> {
     let columns = columns(std::slice::from_ref(sample));

@@ -7,21 +7,21 @@ use serde_json::Value;
 use super::classify::{Performed, examine};
 use super::condition::{Condition, condition};
 use super::domain::Domain;
+use super::drivers::Drivers;
 use super::find::Raw;
 use super::generate::Family;
 use super::hazard::{self, Hazard};
 use super::input::{Input, Sample};
 use super::measure::{Off, Outcome, outcome};
 use super::permitted::{Permitted, permitted};
+use super::readers::{ReaderReport, Writing, ask, on_a_driver, reports};
 use super::rewrite::{Gain, gain};
 use super::sample::{Plan, Tally, columns, settings};
 use super::{Request, measure};
 use crate::lint::{Finding, Level, Place as LintPlace, Related};
 use crate::run::bound::Data;
-use crate::run::call;
 use crate::run::call::pure::Pure;
 use crate::run::eval::{Floats, Place, UndefinedKind};
-use crate::run::reader::Reader;
 use crate::source::{Files, Source};
 
 /// What stressing a function found.
@@ -51,6 +51,8 @@ pub struct Report {
     pub total: Tally,
     /// The sample of the largest error in units of the last place, and that in steps.
     pub worst: Vec<Worst>,
+    /// The drivers that were asked for, those that are missing too.
+    pub readers: Vec<ReaderReport>,
     /// What breaks, the worst first.
     pub findings: Vec<Found>,
     /// What was taken for what was not given.
@@ -83,6 +85,7 @@ pub struct Case {
     pub arguments: Vec<String>,
     /// The same as values: arguments, block contents, inputs.
     pub values: (Vec<Value>, Data, Vec<(String, Value)>),
+    pub(super) words: Sample,
 }
 
 /// A scalar of a result.
@@ -105,6 +108,8 @@ pub struct Found {
     pub level: Level,
     /// Where.
     pub place: Place,
+    /// The driver it is about, where it is about one alone.
+    pub reader: Option<&'static str>,
     /// The operation that did it.
     pub operation: Option<Performed>,
     /// What is undefined about it; none of a loss of accuracy or a breach of a rule.
@@ -164,6 +169,7 @@ pub(super) struct Made<'a> {
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<Raw>,
     pub worst: Vec<(Sample, Off)>,
+    pub drivers: Drivers<'a>,
     pub endless: Vec<Sample>,
     pub stopped: bool,
     pub rate: f64,
@@ -175,8 +181,10 @@ pub(super) struct Made<'a> {
 /// others are only counted.
 const EACH: [usize; 2] = [12, 3];
 
-pub(super) fn report(made: Made<'_>) -> Report {
-    let Made { pure, inputs, plan, .. } = made;
+pub(super) fn report(mut made: Made<'_>) -> Report {
+    let Made { pure, inputs, plan, source, .. } = made;
+    let writing = Writing { pure, inputs, plan, source };
+    let readers = reports(&made.drivers, &writing);
     let mut total = Tally::default();
     for (family, tally) in &made.families {
         if *family != Family::Special {
@@ -202,7 +210,16 @@ pub(super) fn report(made: Made<'_>) -> Report {
     for (code, count) in more {
         notes.push(format!("{code} is found in {count} further lines"));
     }
+    for reader in &readers {
+        let odd = reader.odd();
+        findings.extend(odd.map(|odd| on_a_driver(pure, plan, reader.reader, odd)));
+    }
+    ask(&mut made.drivers, &mut findings);
+    // No driver is asked for what may never end.
     findings.extend(made.endless.first().map(|sample| endless(pure, plan, made.source, sample)));
+    if !readers.is_empty() && made.request.pure.floats != Floats::AsWritten {
+        notes.push("drivers run it as it is written, not rounded to f16".to_string());
+    }
     let worst = made.worst.into_iter().map(|(sample, off)| Worst {
         off,
         condition: condition(pure, inputs, &sample, plan),
@@ -226,6 +243,7 @@ pub(super) fn report(made: Made<'_>) -> Report {
         families: made.families,
         total,
         worst: worst.collect(),
+        readers,
         findings,
         notes,
         files: pure.files.clone(),
@@ -247,6 +265,7 @@ fn found(pure: &Pure, inputs: &[Input], plan: &Plan, source: &Source, raw: Raw) 
         hazard,
         level,
         place: raw.candidate.place.clone(),
+        reader: None,
         operation: raw.candidate.operation,
         kind: raw.candidate.kind,
         about: raw.candidate.about.iter().map(|&at| inputs[at].path.clone()).collect(),
@@ -265,14 +284,11 @@ fn found(pure: &Pure, inputs: &[Input], plan: &Plan, source: &Source, raw: Raw) 
 }
 
 fn endless(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Found {
-    let span = pure.name_span.unwrap_or_default();
-    let at = pure.files.locate(span);
-    let shown = format!("{}:{}:{}", at.path, at.line, at.column);
-    let function = pure.shown.split('(').next().unwrap_or_default().to_string();
     Found {
         hazard: &hazard::ENDLESS_LOOP,
         level: Level::Deny,
-        place: Place { function, span, shown },
+        place: place_of_name(pure),
+        reader: None,
         operation: None,
         kind: None,
         about: Vec::new(),
@@ -287,6 +303,15 @@ fn endless(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Found 
         seen: 1,
         plausible: false,
     }
+}
+
+/// The place of the function's name.
+pub(super) fn place_of_name(pure: &Pure) -> Place {
+    let span = pure.name_span.unwrap_or_default();
+    let at = pure.files.locate(span);
+    let shown = format!("{}:{}:{}", at.path, at.line, at.column);
+    let function = pure.shown.split('(').next().unwrap_or_default().to_string();
+    Place { function, span, shown }
 }
 
 /// What another function gives for a sample: inputs of one path are the same.
@@ -326,7 +351,7 @@ fn some(value: &serde_json::Value) -> Option<serde_json::Value> {
 }
 
 /// A sample as people read it.
-fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
+pub(super) fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
     let (arguments, data, given) = pure.json(sample);
     let values = (arguments.clone(), data.clone(), given.clone());
     let mut inputs = Vec::new();
@@ -375,45 +400,27 @@ fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
             (input.path.clone(), input.range().map(|at| input.number(sample[at])).collect())
         })
         .collect();
-    Case { inputs, flat, results, arguments: line, values }
+    Case { inputs, flat, results, arguments: line, values, words: sample.clone() }
 }
 
 impl Report {
-    /// Has a driver call the function with the input of each finding.
-    pub fn ask(
-        &mut self,
-        source: &Source,
-        options: &crate::Options,
-        textures: &[(String, [f32; 4])],
-        reader: &mut dyn Reader,
-    ) {
-        let name = reader.device().reader;
-        for found in &mut self.findings {
-            let (arguments, data, inputs) = found.case.values.clone();
-            let function = self.function.clone();
-            let textures = textures.to_vec();
-            let limit = std::time::Duration::from_secs(20);
-            let request = call::Request { function, arguments, data, textures, inputs, limit };
-            let asked = match call::call(source, options, &request, Some(reader)) {
-                Ok(called) => {
-                    let given = called.result.iter().chain(called.parameters.iter().map(|p| &p.2));
-                    let scalars = given.flat_map(|given| &given.scalars);
-                    let floats = scalars.filter(|scalar| scalar.double.is_some());
-                    let results = floats.map(|s| f32::from_bits(s.value.bits as u32)).collect();
-                    Asked { reader: name, results, failure: None }
-                }
-                Err(refusal) => {
-                    let why = refusal.found.first().map(|found| found.message.clone());
-                    Asked { reader: name, results: Vec::new(), failure: why }
-                }
-            };
-            found.readers.push(asked);
-        }
+    /// Whether some sample with finite inputs gave a result that is not, on any reader.
+    pub fn has_non_finite(&self) -> bool {
+        self.tallies().any(|tally| tally.nan + tally.infinite > 0)
     }
 
-    /// Whether some sample with finite inputs gave a result that is not.
-    pub fn has_non_finite(&self) -> bool {
-        self.total.nan + self.total.infinite > 0
+    /// The largest error on any reader, in units of the last place.
+    pub fn max_ulp(&self) -> f64 {
+        self.tallies().map(|tally| tally.ulp.max).fold(0.0, f64::max)
+    }
+
+    /// The largest error on any reader, in steps.
+    pub fn max_steps(&self) -> f64 {
+        self.tallies().map(|tally| tally.steps.max).fold(0.0, f64::max)
+    }
+
+    fn tallies(&self) -> impl Iterator<Item = &Tally> {
+        std::iter::once(&self.total).chain(self.readers.iter().map(|reader| &reader.tally))
     }
 
     /// The findings as lints have them.

@@ -1,14 +1,17 @@
 //! Runs the samples: both cores, a chunk at a time, keeping sums and the few samples worth a
 //! closer look.
 //!
-//! Takes chunks of [`generate`](super::generate); feeds [`find`](super::find).
+//! Takes chunks of [`generate`](super::generate); feeds [`find`](super::find), and the
+//! [`drivers`](super::drivers), which the calling thread owns.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{SyncSender, sync_channel};
 
 use rustc_hash::FxHashMap;
 
 use super::deadline::Deadline;
+use super::drivers::{Batch, Drivers};
 use super::generate::{Chunk, Family, Generator, TAG_BITS};
 use super::input::Sample;
 use super::measure::{Outcome, Spread, floats, outcome};
@@ -82,8 +85,8 @@ pub(super) enum Why {
 
 /// A sample worth a closer look.
 #[derive(Clone, Debug)]
-pub(super) struct Kept {
-    pub sample: Sample,
+pub(super) struct Kept<T = Sample> {
+    pub sample: T,
     pub severity: f64,
     /// The chunk and the lane it was in: ties go to the earlier one.
     at: (usize, usize),
@@ -126,17 +129,25 @@ impl Sampled {
     pub fn starts(&self, which: usize) -> impl Iterator<Item = &Sample> {
         self.tops[which].iter().map(|kept| &kept.sample)
     }
+}
 
-    fn top(&mut self, which: usize, severity: f64, at: (usize, usize), sample: &Sample) {
-        let tops = &mut self.tops[which];
-        let full = tops.len() >= TOPS;
-        if full && tops.last().is_some_and(|last| last.severity >= severity) {
-            return;
-        }
-        tops.push(Kept { sample: sample.clone(), severity, at });
-        tops.sort_by(|a, b| b.severity.total_cmp(&a.severity).then(a.at.cmp(&b.at)));
-        tops.truncate(TOPS);
+/// Keeps a sample if it is one of the worst, the earlier of two that are as bad.
+pub(super) fn top<T>(
+    tops: &mut Vec<Kept<T>>,
+    severity: f64,
+    at: (usize, usize),
+    sample: impl FnOnce() -> T,
+) {
+    let order = |a: &Kept<T>, severity: f64, at: (usize, usize)| {
+        severity.total_cmp(&a.severity).then(a.at.cmp(&at))
+    };
+    let last = tops.last().filter(|_| tops.len() >= TOPS);
+    if last.is_some_and(|last| order(last, severity, at).is_le()) {
+        return;
     }
+    tops.push(Kept { sample: sample(), severity, at });
+    tops.sort_by(|a, b| order(a, b.severity, b.at));
+    tops.truncate(TOPS);
 }
 
 /// Says how far it is.
@@ -147,13 +158,14 @@ pub(super) fn run(
     pure: &Pure,
     generator: &Generator<'_>,
     plan: &Plan,
+    drivers: &mut Drivers<'_>,
     progress: Progress<'_>,
 ) -> Result<Sampled, Failure> {
     // The next chunk, and the samples of those before it: the same for any number of threads.
     let claimed = Mutex::new((0usize, 0u64));
     let done = AtomicU64::new(0);
-    let work = || -> Result<Sampled, Failure> {
-        let mut mine = Worker::new(pure, plan);
+    let work = |to: Option<SyncSender<Batch>>| -> Result<Sampled, Failure> {
+        let mut mine = Worker::new(pure, plan, to);
         loop {
             if plan.until.is_over() {
                 mine.sampled.stopped |= done.load(Ordering::Relaxed) < plan.samples;
@@ -178,11 +190,21 @@ pub(super) fn run(
         Ok(mine.finish())
     };
     let threads = plan.threads.max(1);
-    let parts: Vec<Result<Sampled, Failure>> = if threads == 1 {
-        vec![work()]
+    let alone = drivers.idle();
+    let parts: Vec<Result<Sampled, Failure>> = if threads == 1 && alone {
+        vec![work(None)]
     } else {
         std::thread::scope(|scope| {
-            let handles: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+            // Few may wait: memory stays what it is where a driver is slower than the evaluator.
+            let (to, from) = sync_channel::<Batch>(threads);
+            let work = &work;
+            let spawn = |_| {
+                let to = (!alone).then(|| to.clone());
+                scope.spawn(move || work(to))
+            };
+            let handles: Vec<_> = (0..threads).map(spawn).collect();
+            drop(to);
+            from.iter().for_each(|batch| drop(drivers.run(&batch)));
             handles.into_iter().map(|h| h.join().expect("sampling does not panic")).collect()
         })
     };
@@ -197,7 +219,9 @@ pub(super) fn run(
             sum.merge(more);
         }
         for (which, tops) in part.tops.into_iter().enumerate() {
-            tops.iter().for_each(|kept| all.top(which, kept.severity, kept.at, &kept.sample));
+            for kept in tops {
+                top(&mut all.tops[which], kept.severity, kept.at, || kept.sample);
+            }
         }
         for (key, kept) in part.exemplars {
             keep(&mut all.exemplars, key, kept, usize::MAX);
@@ -211,15 +235,17 @@ struct Worker<'a> {
     plan: &'a Plan,
     floats: Vec<(usize, usize)>,
     sampled: Sampled,
+    /// Where drivers get their batches from.
+    to: Option<SyncSender<Batch>>,
 }
 
 impl<'a> Worker<'a> {
-    fn new(pure: &'a Pure, plan: &'a Plan) -> Worker<'a> {
+    fn new(pure: &'a Pure, plan: &'a Plan, to: Option<SyncSender<Batch>>) -> Worker<'a> {
         let sampled = Sampled {
             families: Family::ALL.map(|family| (family, Tally::default())).to_vec(),
             ..Sampled::default()
         };
-        Worker { pure, plan, floats: floats(pure), sampled }
+        Worker { pure, plan, floats: floats(pure), sampled, to }
     }
 
     fn finish(self) -> Sampled {
@@ -244,9 +270,17 @@ impl<'a> Worker<'a> {
         }
         let samples = &chunk.samples[lanes.clone()];
         let settings = settings(self.plan, watch);
-        match self.pure.call(&columns(samples), samples.len(), &settings) {
+        let columns = columns(samples);
+        match self.pure.call(&columns, samples.len(), &settings) {
             Ok(called) => {
-                self.judge(number, chunk, lanes, &called);
+                let at = (number, lanes.start);
+                let outcomes = self.judge(number, chunk, lanes, &called);
+                if let Some(to) = &self.to {
+                    let special = chunk.family == Family::Special;
+                    let batch = Batch::of(columns, called, &self.floats, outcomes);
+                    // Whoever receives is there until all have sent.
+                    let _ = to.send(Batch { special, at, ..batch });
+                }
                 Ok(())
             }
             Err(failure) if failure.kind == FailureKind::TimedOut => {
@@ -285,19 +319,22 @@ impl<'a> Worker<'a> {
         chunk: &Chunk,
         lanes: std::ops::Range<usize>,
         called: &PureCalled,
-    ) {
+    ) -> Vec<Outcome> {
+        let mut outcomes = Vec::with_capacity(lanes.len());
         let special = chunk.family == Family::Special;
         for lane in 0..lanes.len() {
             let outcome = outcome(called, &self.floats, lane);
+            outcomes.push(outcome);
             self.tally(chunk.family).add(outcome);
             if special {
                 continue;
             }
             let nth = lanes.start + lane;
             if let Outcome::Off(off, _) = outcome {
-                let sample = &chunk.samples[nth];
-                self.sampled.top(0, off.ulp, (number, nth), sample);
-                self.sampled.top(1, off.steps, (number, nth), sample);
+                let sample = || chunk.samples[nth].clone();
+                let [by_ulp, by_steps] = &mut self.sampled.tops;
+                top(by_ulp, off.ulp, (number, nth), sample);
+                top(by_steps, off.steps, (number, nth), sample);
             }
             let (why, severity) = match outcome {
                 Outcome::Discarded => continue,
@@ -329,6 +366,7 @@ impl<'a> Worker<'a> {
             }
         }
         self.tally(chunk.family).undefined += undefined;
+        outcomes
     }
 
     fn keep(&mut self, chunk: &Chunk, number: usize, nth: usize, key: (u32, Why), severity: f64) {

@@ -26,7 +26,11 @@ impl Found {
             (None, Outcome::Off(..)) => ": the evaluator's result hides it".to_string(),
             (None, Outcome::Discarded) => String::new(),
         };
-        format!("{id}{}{outcome}", self.hazard.what)
+        let what = match self.reader {
+            Some(reader) => self.hazard.what.replacen("a driver", reader, 1),
+            None => self.hazard.what.to_string(),
+        };
+        format!("{id}{what}{outcome}")
     }
 
     /// What stands at the place: the operation with its operands.
@@ -100,6 +104,14 @@ impl Found {
                     ),
                 });
             }
+        }
+        if let (Some(permitted), Some(_), Outcome::NotANumber | Outcome::Infinite) =
+            (&self.permitted, self.reader, self.outcome)
+        {
+            notes.push(match permitted.any {
+                true => "any conformant device may do this".to_string(),
+                false => "no conformant device may do this: this adapter is wrong".to_string(),
+            });
         }
         if let Some(against) = &self.against {
             let function = &against.function;

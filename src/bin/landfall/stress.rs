@@ -5,10 +5,11 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use landfall::accuracy::stress::{MapRequest, Request, error_map, stress};
+use landfall::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
 use landfall::emit::stress as print;
 use landfall::run::call::pure::PureRequest;
 use landfall::run::eval::Floats;
+use landfall::run::reader::Reader;
 use landfall::source::Files;
 use landfall::{Diagnostic, Error};
 
@@ -51,7 +52,8 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
-    let stressed = stress(&source, &options, &request, &progress);
+    let (mut readers, missing) = open(args);
+    let stressed = stress(&source, &options, &request, &mut readers, &progress);
     if shows {
         eprint!("\r\x1b[K");
     }
@@ -62,14 +64,8 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
             return Ok(Outcome::CouldNot);
         }
     };
-    for name in args.readers.iter().filter(|name| **name != ReaderName::Cpu) {
-        let opened = readers::one(*name, args.adapter.as_deref());
-        let mut reader = opened.map_err(|failure| {
-            Error::new(name.name(), format!("cannot run it: {}", failure.message))
-                .with_help("`landfall devices` lists what is here")
-        })?;
-        report.ask(&source, &options, &request.pure.textures, reader.as_mut());
-    }
+    let absent = !missing.is_empty();
+    report.readers.extend(missing);
     let is_stopped = || stop.load(Ordering::Relaxed);
     if let (Some(file), Some(x), Some(y), false) =
         (&args.map, &args.map_x, &args.map_y, is_stopped())
@@ -92,17 +88,44 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         StressFormat::Json => streams.product(&print::json(&report))?,
         StressFormat::Sarif => streams.product(&print::sarif(&report))?,
     }
+    for reader in &report.readers {
+        let Some(why) = &reader.failure else { continue };
+        let what = if reader.ran() { "stopped" } else { "did not run" };
+        let found = Error::new(reader.reader, format!("{what}: {why}"))
+            .with_help("`landfall devices` lists what is here");
+        streams.report(&style.text(&[found.into()], &Files::default()));
+    }
     if is_stopped() {
         return Ok(Outcome::Interrupted);
     }
+    // Somebody asked for numbers that are not there.
+    let none_ran = !report.readers.is_empty() && !report.readers.iter().any(ReaderReport::ran);
+    if absent || none_ran {
+        return Ok(Outcome::CouldNot);
+    }
     let past = |most: Option<f64>, is: f64| most.is_some_and(|most| is > most);
-    let too_far =
-        past(args.max_ulp, report.total.ulp.max) || past(args.max_step, report.total.steps.max);
+    let too_far = past(args.max_ulp, report.max_ulp()) || past(args.max_step, report.max_steps());
     let denied = report.findings.iter().any(|f| f.level == landfall::lint::Level::Deny);
     Ok(match too_far || denied || report.has_non_finite() {
         true => Outcome::Findings,
         false => Outcome::Clean,
     })
+}
+
+/// The drivers that are asked for, and those of them that are not here.
+fn open(args: &StressArgs) -> (Vec<Box<dyn Reader>>, Vec<ReaderReport>) {
+    let (mut here, mut missing) = (Vec::new(), Vec::new());
+    for name in ReaderName::ALL {
+        // The evaluator runs in any case.
+        if name == ReaderName::Cpu || !args.readers.contains(&name) {
+            continue;
+        }
+        match readers::one(name, args.adapter.as_deref()) {
+            Ok(reader) => here.push(reader),
+            Err(failure) => missing.push(ReaderReport::missing(name.name(), &failure)),
+        }
+    }
+    (here, missing)
 }
 
 fn request(args: &StressArgs) -> Result<Request, Error> {

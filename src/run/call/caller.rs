@@ -1,7 +1,8 @@
 //! A module with a function that calls another as its shader would: inputs put in place and
 //! global variables initialised, as its entry point does, then the call.
 //!
-//! Made of a [`Module`]; the evaluator runs it for [`call`](super::call()).
+//! Made of a [`Module`]; the evaluator runs it for [`call`](super::call()), and drivers what
+//! [`driven`](super::driven) makes of it.
 
 use naga::{Block, Expression, Function, FunctionArgument, Handle, Span, Statement};
 
@@ -79,42 +80,4 @@ fn prologue(module: &Module) -> (Function, Vec<String>) {
     });
     let inputs = inputs.collect();
     (function, inputs)
-}
-
-/// The module with zeros for the inputs of its entry point, as no stage before it writes any, and
-/// without the outputs of a fragment stage: the answer is in a buffer.
-pub(super) fn without_interface(mut module: Module) -> Result<Module, Vec<Diagnostic>> {
-    for entry in &mut module.ir.entry_points {
-        let function = &mut entry.function;
-        if entry.stage == naga::ShaderStage::Fragment && function.result.take().is_some() {
-            for statement in function.body.iter_mut() {
-                if let Statement::Return { value } = statement {
-                    *value = None;
-                }
-            }
-        }
-        let arguments = std::mem::take(&mut function.arguments);
-        // What each argument is now: zeros of its type, or an argument of another number.
-        let mut becomes = Vec::new();
-        for argument in arguments {
-            match argument.binding {
-                Some(naga::Binding::Location { .. }) => {
-                    becomes.push(Expression::ZeroValue(argument.ty));
-                }
-                Some(naga::Binding::BuiltIn(_)) | None => {
-                    let number = function.arguments.len() as u32;
-                    becomes.push(Expression::FunctionArgument(number));
-                    function.arguments.push(argument);
-                }
-            }
-        }
-        for (_, expression) in function.expressions.iter_mut() {
-            if let Expression::FunctionArgument(number) = expression {
-                if let Some(new) = becomes.get(*number as usize) {
-                    *expression = new.clone();
-                }
-            }
-        }
-    }
-    module.validated()
 }

@@ -5,7 +5,9 @@
 
 mod arguments;
 mod caller;
+pub mod driven;
 mod driver;
+mod effects;
 mod find;
 pub mod pure;
 pub(crate) mod report;
@@ -37,7 +39,7 @@ pub struct Request {
     pub data: Data,
     /// Colours of textures by name; the others are white.
     pub textures: Vec<(String, [f32; 4])>,
-    /// Values of the shader's inputs by name, for the evaluator alone; the others are zero.
+    /// Values of the shader's inputs by name; the others are zero.
     pub inputs: Vec<(String, Value)>,
     /// Who is not done by then has failed.
     pub limit: Duration,
@@ -111,14 +113,6 @@ impl Job<'_> {
             .map_err(|misfit| self.misfit(misfit))?;
         let caller = caller::caller(module, found.info.handle)
             .map_err(|mut all| Box::new(all.swap_remove(0)))?;
-        if let (Some(reader), Some((name, _))) = (&reader, request.inputs.first()) {
-            let reader = reader.device().reader;
-            if reader != "cpu" {
-                let message = format!("`{name}` is an input, and {reader} has none but zeros");
-                let help = Some("`--reader cpu` takes inputs".to_string());
-                return Err(Box::new(finding("no-inputs", message, help, "--input")));
-            }
-        }
         let evaluated = self.evaluate(&caller, &found)?;
         let mut notes = Vec::new();
         let driver = reader.filter(|reader| reader.device().reader != "cpu");
@@ -142,7 +136,7 @@ impl Job<'_> {
         if let Some(evaluated) = &evaluated {
             self.assumed(evaluated, &mut notes);
         }
-        self.assumed_inputs(&caller, &found, answered.is_some(), &mut notes);
+        self.assumed_inputs(&caller, &found, &mut notes);
         let called = evaluated.as_ref().map(|evaluated| &evaluated.called);
         let base = caller.inputs.len();
         let first = |words: &Words| -> Vec<u64> { words.iter().map(|lanes| lanes[0]).collect() };
@@ -288,13 +282,7 @@ impl Job<'_> {
         }
     }
 
-    fn assumed_inputs(
-        &self,
-        caller: &Caller,
-        found: &Found<'_>,
-        driver: bool,
-        notes: &mut Vec<String>,
-    ) {
+    fn assumed_inputs(&self, caller: &Caller, found: &Found<'_>, notes: &mut Vec<String>) {
         let reached = reach::variables(&self.module.ir, found.info.handle);
         let mut names: Vec<&str> = self
             .module
@@ -304,17 +292,14 @@ impl Job<'_> {
             .filter(|(handle, _)| reached.contains(handle))
             .filter_map(|(_, variable)| variable.name.as_deref())
             .filter(|name| caller.inputs.iter().any(|input| input == name))
-            .filter(|name| driver || !self.request.inputs.iter().any(|(given, _)| given == name))
+            .filter(|name| !self.request.inputs.iter().any(|(given, _)| given == name))
             .collect();
         names.dedup();
         if names.is_empty() {
             return;
         }
         let list = names.join("`, `");
-        notes.push(match driver {
-            true => format!("it reads `{list}`, which are zero: `--reader cpu` takes --input"),
-            false => format!("it reads `{list}`, which are zero: --input gives values"),
-        });
+        notes.push(format!("it reads `{list}`, which are zero: --input gives values"));
     }
 
     fn misfit(&self, misfit: arguments::Misfit) -> Box<Diagnostic> {

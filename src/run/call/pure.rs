@@ -12,6 +12,7 @@ use rustc_hash::FxHashSet;
 use serde_json::{Map, Value};
 
 use super::caller::{self, Caller};
+use super::effects::{look, through_initialisers};
 use super::find::{shown, unknown};
 use super::report::Given;
 use super::{Refusal, arguments, finding};
@@ -60,11 +61,32 @@ pub struct Pure {
     /// The language the shader is written in.
     pub language: Language,
     program: Program,
-    resources: Vec<Resource>,
+    pub(super) resources: Vec<Resource>,
     /// By parameter of the caller: which of ours, or what stands there.
-    slots: Vec<Slot>,
+    pub(super) slots: Vec<Slot>,
     /// Data that was given, for repeating a call.
-    data: Data,
+    pub(super) data: Data,
+    /// Colours of textures that were given.
+    pub(super) textures: Vec<(String, [f32; 4])>,
+    /// The module; its last function is the caller.
+    pub(super) module: Module,
+    /// The function as its text declares it.
+    pub(super) info: FunctionInfo,
+    /// The inputs of the stage, which the caller takes first, whether they are read or not.
+    pub(super) inputs: Vec<(String, ValueType)>,
+    /// The text, and how it is read: a driver may have a compiler of its own.
+    pub(super) source: Source,
+    pub(super) options: Options,
+    pub(super) asks: Asks,
+}
+
+/// What is to be done with the function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asks {
+    /// It is called over many lanes, and so may do nothing that is not of its own lane.
+    Pure,
+    /// It is called once, by one invocation.
+    Call,
 }
 
 /// Something the function reads.
@@ -78,6 +100,8 @@ pub struct PureParameter {
     pub ty: ValueType,
     /// The way to each of its scalars, and what the scalar is in the text.
     pub scalars: Vec<String>,
+    /// Of a member of a block: which of the module's.
+    pub(super) block: Option<usize>,
 }
 
 /// Where a parameter comes from.
@@ -99,11 +123,11 @@ pub struct PureResult {
     /// What it is.
     pub ty: ValueType,
     /// The parameter of the caller it is left in; none for what is returned.
-    at: Option<usize>,
+    pub(super) at: Option<usize>,
 }
 
 #[derive(Clone, Debug)]
-enum Slot {
+pub(super) enum Slot {
     /// Parameters of ours, one after the other.
     Given(Vec<usize>),
     /// Zeros, as many.
@@ -132,6 +156,16 @@ impl Pure {
         options: &Options,
         request: &PureRequest,
     ) -> Result<Pure, Box<Refusal>> {
+        Pure::asked(source, options, request, Asks::Pure)
+    }
+
+    /// The same of a function that need not be pure, if it is only called.
+    pub(super) fn asked(
+        source: &Source,
+        options: &Options,
+        request: &PureRequest,
+        asks: Asks,
+    ) -> Result<Pure, Box<Refusal>> {
         let options = &Options { gather: true, naga: false, ..options.clone() };
         let module = Module::new(source, options).map_err(|found| {
             Box::new(Refusal { found, files: crate::layout(source, options).files })
@@ -139,7 +173,7 @@ impl Pure {
         let files = module.files().clone();
         let refused =
             |found: Diagnostic| Box::new(Refusal { found: vec![found], files: files.clone() });
-        make(source, module, request).map_err(|found| refused(*found))
+        make(source, options, module, request, asks).map_err(|found| refused(*found))
     }
 
     /// Calls it over lanes: the words of each scalar of all parameters, in order.
@@ -244,8 +278,10 @@ impl Pure {
 
 fn make(
     source: &Source,
+    options: &Options,
     mut module: Module,
     request: &PureRequest,
+    asks: Asks,
 ) -> Result<Pure, Box<Diagnostic>> {
     let language = source.language;
     let path = source.path.as_str();
@@ -260,15 +296,16 @@ fn make(
         refuse("cannot-call", format!("`{shown}` cannot be stressed: {what}"), help)
     };
     let ir = &module.ir;
-    let reached = reach::variables(ir, info.handle);
+    let mut reached = reach::variables(ir, info.handle);
     let seen = look(ir, info.handle);
-    if seen.derivatives {
+    let strict = asks == Asks::Pure;
+    if strict && seen.derivatives {
         return Err(cannot(
             "it takes derivatives, which samples do not have",
             "stress the function that is given what they depend on",
         ));
     }
-    if let Some(name) = seen.stored.iter().find_map(|handle| {
+    if let Some(name) = seen.stored.iter().filter(|_| strict).find_map(|handle| {
         let variable = &ir.global_variables[*handle];
         let buffer =
             matches!(variable.space, AddressSpace::Storage { .. } | AddressSpace::WorkGroup);
@@ -277,7 +314,7 @@ fn make(
         let help = "stress a function that returns what is to be written";
         return Err(cannot(&format!("it writes the buffer `{name}`"), help));
     }
-    if seen.barriers {
+    if strict && seen.barriers {
         return Err(cannot("it waits for other invocations", ""));
     }
     let written: Vec<Handle<GlobalVariable>> = ir
@@ -289,6 +326,7 @@ fn make(
     let Caller { mut module, inputs } =
         caller::caller(&module, info.handle).map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let number = module.ir.functions.len() - 1;
+    through_initialisers(&module.ir, &mut reached);
     let base = inputs.len();
     let mut notes = Vec::new();
     // Which blocks become parameters.
@@ -417,7 +455,8 @@ fn make(
                 let path = named.map_or(member.clone(), |name| format!("{name}.{member}"));
                 let origin = Origin::Block(block.name.to_string(), member.clone());
                 all.push(parameters.len());
-                parameters.push(plain(path, origin, ty.clone()));
+                let block = Some(*nth);
+                parameters.push(PureParameter { block, ..plain(path, origin, ty.clone()) });
             }
             slots.push(Slot::Given(all));
         } else {
@@ -426,10 +465,12 @@ fn make(
             slots.push(Slot::Out);
         }
     }
+    let given = inputs.into_iter().zip(&signature.parameters);
+    let given = given.map(|(name, parameter)| (name, parameter.ty.clone())).collect();
     if let Some(ty) = signature.result {
         results.insert(0, PureResult { name: "result".to_string(), ty, at: None });
     }
-    if results.is_empty() {
+    if strict && results.is_empty() {
         let help =
             "stress a function that returns something, has an `out` parameter or writes a global";
         return Err(cannot("it gives nothing back", help));
@@ -438,11 +479,9 @@ fn make(
     for at in 0..parameters.len() {
         let twice = parameters.iter().filter(|p| p.path == parameters[at].path).count() > 1;
         if let (true, Origin::Block(block, member)) = (twice, parameters[at].origin.clone()) {
-            parameters[at] = plain(
-                format!("{block}.{member}"),
-                Origin::Block(block, member),
-                parameters[at].ty.clone(),
-            );
+            let (ty, number) = (parameters[at].ty.clone(), parameters[at].block);
+            let made = plain(format!("{block}.{member}"), Origin::Block(block, member), ty);
+            parameters[at] = PureParameter { block: number, ..made };
         }
     }
     let white: Vec<&str> = module
@@ -469,12 +508,19 @@ fn make(
         resources,
         slots,
         data: request.data.clone(),
+        textures: request.textures.clone(),
+        module,
+        info,
+        inputs: given,
+        source: source.clone(),
+        options: options.clone(),
+        asks,
     })
 }
 
 fn plain(path: String, origin: Origin, ty: ValueType) -> PureParameter {
     let scalars = arguments::paths(&ty).into_iter().map(|rest| format!("{path}{rest}")).collect();
-    PureParameter { path, origin, ty, scalars }
+    PureParameter { path, origin, ty, scalars, block: None }
 }
 
 /// The function of that name; an entry point of WGSL as a function.
@@ -554,76 +600,6 @@ fn rewrite(function: &mut Function, front: Block, tail: &[(u32, Handle<GlobalVar
         body.push(statement.clone(), *span);
     }
     function.body = body;
-}
-
-/// What a function and those it calls do besides computing.
-#[derive(Default)]
-struct Seen {
-    stored: FxHashSet<Handle<GlobalVariable>>,
-    derivatives: bool,
-    barriers: bool,
-}
-
-fn look(ir: &naga::Module, target: Handle<Function>) -> Seen {
-    let mut seen = Seen::default();
-    let mut done = FxHashSet::default();
-    let mut open = vec![target];
-    while let Some(handle) = open.pop() {
-        if !done.insert(handle) {
-            continue;
-        }
-        let function = &ir.functions[handle];
-        let derivative = |(_, e): (_, &Expression)| matches!(e, Expression::Derivative { .. });
-        seen.derivatives |= function.expressions.iter().any(derivative);
-        let mut blocks = vec![&function.body];
-        while let Some(block) = blocks.pop() {
-            for statement in block {
-                match statement {
-                    Statement::Call { function: called, arguments, .. } => {
-                        open.push(*called);
-                        // What a pointer to a variable is given for may be written through it.
-                        for argument in arguments {
-                            if is_pointer(ir, function, *argument) {
-                                seen.stored.extend(root(function, *argument));
-                            }
-                        }
-                    }
-                    Statement::Store { pointer, .. } | Statement::Atomic { pointer, .. } => {
-                        seen.stored.extend(root(function, *pointer));
-                    }
-                    Statement::ControlBarrier(_) | Statement::MemoryBarrier(_) => {
-                        seen.barriers = true;
-                    }
-                    Statement::Block(inner) => blocks.push(inner),
-                    Statement::If { accept, reject, .. } => blocks.extend([accept, reject]),
-                    Statement::Switch { cases, .. } => {
-                        blocks.extend(cases.iter().map(|case| &case.body));
-                    }
-                    Statement::Loop { body, continuing, .. } => blocks.extend([body, continuing]),
-                    _ => {}
-                }
-            }
-        }
-    }
-    seen
-}
-
-fn is_pointer(ir: &naga::Module, function: &Function, at: Handle<Expression>) -> bool {
-    root(function, at).is_some_and(|variable| {
-        !matches!(ir.global_variables[variable].space, AddressSpace::Handle)
-            && !matches!(function.expressions[at], Expression::Load { .. })
-    })
-}
-
-/// The variable a pointer is into.
-fn root(function: &Function, mut at: Handle<Expression>) -> Option<Handle<GlobalVariable>> {
-    loop {
-        match function.expressions[at] {
-            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => at = base,
-            Expression::GlobalVariable(variable) => return Some(variable),
-            _ => return None,
-        }
-    }
 }
 
 /// Floats by the fewest digits that are the same `f32`.

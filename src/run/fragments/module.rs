@@ -60,7 +60,7 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
     };
     let inputs = inputs(module, entry)?;
     let (kills, differences) = reaches(module, entry);
-    let atlas = free_place(module);
+    let atlas = module.free_place();
     let made = |gives| rebuilt(module, entry, &inputs, atlas, gives);
     let number = entries.iter().position(|other| std::ptr::eq(other, *entry)).unwrap_or(0);
     let uses = module.info.get_entry_point(number);
@@ -147,14 +147,6 @@ fn reaches(module: &Module, entry: &EntryPoint) -> (bool, bool) {
         }
     }
     (kills, differences)
-}
-
-/// A binding nobody has, in a group that somebody has: adapters have few groups.
-fn free_place(module: &Module) -> (u32, u32) {
-    let taken = || module.ir.global_variables.iter().filter_map(|(_, global)| global.binding);
-    let group = taken().map(|at| at.group).min().unwrap_or(0);
-    let last = taken().filter(|at| at.group == group).map(|at| at.binding).max();
-    (group, last.map_or(0, |last| last.saturating_add(1)))
 }
 
 fn rebuilt(

@@ -27,7 +27,7 @@ pub struct RunArgs {
     /// The colour a texture has everywhere [default: white]
     #[arg(long = "texture", value_name = "NAME=[R,G,B,A]", value_parser = setting)]
     pub textures: Vec<(String, String)>,
-    /// The value of an input of the shader, for the reader cpu [default: zero]
+    /// The value of an input of the shader [default: zero]
     #[arg(long = "input", value_name = "NAME=JSON", value_parser = setting)]
     pub inputs: Vec<(String, String)>,
     /// Who runs it; f64 is always the evaluator's

@@ -64,7 +64,8 @@ pub struct StressArgs {
     /// The input from below to above
     #[arg(long, value_name = "PATH")]
     pub map_y: Option<String>,
-    /// Drivers to show beside each finding
+    /// Drivers that run every sample too, in f32 as it is written, and are held against the
+    /// evaluator's f64 of the same bits: gl, gpu; --max-ulp and --max-step hold for them too
     #[arg(long = "reader", value_name = "READER", value_delimiter = ',')]
     pub readers: Vec<ReaderName>,
     /// Part of the name of the GPU adapter to take

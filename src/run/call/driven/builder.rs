@@ -1,0 +1,322 @@
+//! A function of naga's IR in the making, statement by statement.
+//!
+//! [`module`](super::module) builds an entry point with it.
+
+use naga::{
+    ArraySize, BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, Range,
+    Scalar, ScalarKind, Span, Statement, Type, TypeInner, UniqueArena,
+};
+
+/// A function and the block that is being written.
+pub(super) struct Builder<'m> {
+    pub types: &'m mut UniqueArena<Type>,
+    pub function: Function,
+    block: Block,
+    /// Expressions from here on are not emitted yet.
+    pending: Option<usize>,
+}
+
+/// Words in a buffer: from a number that is computed, and so many on.
+#[derive(Clone, Copy)]
+pub(super) struct At {
+    pub buffer: Handle<Expression>,
+    pub base: Handle<Expression>,
+    pub offset: u32,
+}
+
+impl At {
+    fn on(self, words: u32) -> At {
+        At { offset: self.offset + words, ..self }
+    }
+}
+
+/// Arrays of more elements are read in a loop.
+const UNROLLED: u32 = 4;
+
+impl<'m> Builder<'m> {
+    pub fn new(types: &'m mut UniqueArena<Type>) -> Builder<'m> {
+        Builder { types, function: Function::default(), block: Block::new(), pending: None }
+    }
+
+    /// The function, with all that was written.
+    pub fn finish(mut self) -> Function {
+        self.flush();
+        self.function.body = self.block;
+        self.function
+    }
+
+    /// An expression that has a value before anything runs.
+    pub fn given(&mut self, expression: Expression) -> Handle<Expression> {
+        self.flush();
+        self.function.expressions.append(expression, Span::UNDEFINED)
+    }
+
+    /// An expression that is computed here.
+    pub fn computed(&mut self, expression: Expression) -> Handle<Expression> {
+        self.pending.get_or_insert(self.function.expressions.len());
+        self.function.expressions.append(expression, Span::UNDEFINED)
+    }
+
+    pub fn statement(&mut self, statement: Statement) {
+        self.flush();
+        self.block.push(statement, Span::UNDEFINED);
+    }
+
+    /// The result of a call that stands in a statement.
+    pub fn call_result(&mut self, function: Handle<Function>) -> Handle<Expression> {
+        self.given(Expression::CallResult(function))
+    }
+
+    pub fn number(&mut self, number: u32) -> Handle<Expression> {
+        self.given(Expression::Literal(Literal::U32(number)))
+    }
+
+    pub fn binary(
+        &mut self,
+        op: BinaryOperator,
+        left: Handle<Expression>,
+        right: Handle<Expression>,
+    ) -> Handle<Expression> {
+        self.computed(Expression::Binary { op, left, right })
+    }
+
+    pub fn index(&mut self, base: Handle<Expression>, index: u32) -> Handle<Expression> {
+        self.computed(Expression::AccessIndex { base, index })
+    }
+
+    /// A local variable, as a pointer.
+    pub fn local(&mut self, ty: Handle<Type>) -> Handle<Expression> {
+        let local = LocalVariable { name: None, ty, init: None };
+        let local = self.function.local_variables.append(local, Span::UNDEFINED);
+        self.given(Expression::LocalVariable(local))
+    }
+
+    pub fn ty(&mut self, inner: TypeInner) -> Handle<Type> {
+        self.types.insert(Type { name: None, inner }, Span::UNDEFINED)
+    }
+
+    fn flush(&mut self) {
+        if let Some(first) = self.pending.take() {
+            let range: Range<Expression> = self.function.expressions.range_from(first);
+            self.block.push(Statement::Emit(range), Span::UNDEFINED);
+        }
+    }
+
+    fn cast(
+        &mut self,
+        expr: Handle<Expression>,
+        kind: ScalarKind,
+        convert: Option<u8>,
+    ) -> Handle<Expression> {
+        self.computed(Expression::As { expr, kind, convert })
+    }
+
+    /// A pointer to a word.
+    fn word(&mut self, at: At) -> Handle<Expression> {
+        let offset = self.number(at.offset);
+        let index = self.binary(BinaryOperator::Add, at.base, offset);
+        self.computed(Expression::Access { base: at.buffer, index })
+    }
+
+    /// Reads a value of a type; it is the words before where reading stops.
+    pub fn load(&mut self, ty: Handle<Type>, at: At) -> Option<Handle<Expression>> {
+        let inner = self.types[ty].inner.clone();
+        Some(match inner {
+            TypeInner::Scalar(scalar) => self.load_scalar(scalar, at)?,
+            TypeInner::Vector { size, scalar } => {
+                let width = width(scalar);
+                let parts = (0..size as u32).map(|i| self.load_scalar(scalar, at.on(i * width)));
+                let components = parts.collect::<Option<Vec<_>>>()?;
+                self.computed(Expression::Compose { ty, components })
+            }
+            TypeInner::Matrix { columns, rows, scalar } => {
+                let column = self.ty(TypeInner::Vector { size: rows, scalar });
+                let step = rows as u32 * width(scalar);
+                let parts = (0..columns as u32).map(|i| self.load(column, at.on(i * step)));
+                let components = parts.collect::<Option<Vec<_>>>()?;
+                self.computed(Expression::Compose { ty, components })
+            }
+            TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
+                let step = words(self.types, base)?;
+                if len.get() > UNROLLED {
+                    return self.load_in_a_loop(ty, base, len.get(), step, at);
+                }
+                let parts = (0..len.get()).map(|i| self.load(base, at.on(i * step)));
+                let components = parts.collect::<Option<Vec<_>>>()?;
+                self.computed(Expression::Compose { ty, components })
+            }
+            TypeInner::Struct { members, .. } => {
+                let mut components = Vec::with_capacity(members.len());
+                let mut offset = 0;
+                for member in members {
+                    components.push(self.load(member.ty, at.on(offset))?);
+                    offset += words(self.types, member.ty)?;
+                }
+                self.computed(Expression::Compose { ty, components })
+            }
+            _ => return None,
+        })
+    }
+
+    fn load_in_a_loop(
+        &mut self,
+        ty: Handle<Type>,
+        element: Handle<Type>,
+        len: u32,
+        step: u32,
+        at: At,
+    ) -> Option<Handle<Expression>> {
+        let uint = self.ty(TypeInner::Scalar(Scalar::U32));
+        let (all, counter) = (self.local(ty), self.local(uint));
+        let (zero, one) = (self.number(0), self.number(1));
+        let (step, len) = (self.number(step), self.number(len));
+        self.statement(Statement::Store { pointer: counter, value: zero });
+        let outside = std::mem::take(&mut self.block);
+        let number = self.computed(Expression::Load { pointer: counter });
+        let over = self.binary(BinaryOperator::GreaterEqual, number, len);
+        let mut accept = Block::new();
+        accept.push(Statement::Break, Span::UNDEFINED);
+        self.statement(Statement::If { condition: over, accept, reject: Block::new() });
+        let skipped = self.binary(BinaryOperator::Multiply, number, step);
+        let base = self.binary(BinaryOperator::Add, at.base, skipped);
+        let value = self.load(element, At { base, ..at })?;
+        let pointer = self.computed(Expression::Access { base: all, index: number });
+        self.statement(Statement::Store { pointer, value });
+        let body = std::mem::take(&mut self.block);
+        let number = self.computed(Expression::Load { pointer: counter });
+        let value = self.binary(BinaryOperator::Add, number, one);
+        self.statement(Statement::Store { pointer: counter, value });
+        let continuing = std::mem::replace(&mut self.block, outside);
+        self.statement(Statement::Loop { body, continuing, break_if: None });
+        Some(self.computed(Expression::Load { pointer: all }))
+    }
+
+    fn load_scalar(&mut self, scalar: Scalar, at: At) -> Option<Handle<Expression>> {
+        let pointer = self.word(at);
+        let word = self.computed(Expression::Load { pointer });
+        let word = match scalar.width {
+            8 => {
+                let pointer = self.word(at.on(1));
+                let high = self.computed(Expression::Load { pointer });
+                let low = self.cast(word, ScalarKind::Uint, Some(8));
+                let high = self.cast(high, ScalarKind::Uint, Some(8));
+                let half = self.number(32);
+                let high = self.binary(BinaryOperator::ShiftLeft, high, half);
+                self.binary(BinaryOperator::InclusiveOr, low, high)
+            }
+            _ => word,
+        };
+        Some(match (scalar.kind, scalar.width) {
+            (ScalarKind::Bool, _) => {
+                let zero = self.number(0);
+                self.binary(BinaryOperator::NotEqual, word, zero)
+            }
+            (ScalarKind::Uint, 4 | 8) => word,
+            (kind @ (ScalarKind::Sint | ScalarKind::Float), 4 | 8) => self.cast(word, kind, None),
+            // Small numbers are held as large ones.
+            (kind @ (ScalarKind::Sint | ScalarKind::Float), small) => {
+                let held = self.cast(word, kind, None);
+                self.cast(held, kind, Some(small))
+            }
+            (ScalarKind::Uint, small) => self.cast(word, ScalarKind::Uint, Some(small)),
+            (ScalarKind::AbstractInt | ScalarKind::AbstractFloat, _) => return None,
+        })
+    }
+
+    /// Writes a value of a type.
+    pub fn store(&mut self, ty: Handle<Type>, value: Handle<Expression>, at: At) -> Option<()> {
+        let inner = self.types[ty].inner.clone();
+        match inner {
+            TypeInner::Scalar(scalar) => self.store_scalar(scalar, value, at)?,
+            TypeInner::Vector { size, scalar } => {
+                for i in 0..size as u32 {
+                    let part = self.index(value, i);
+                    self.store_scalar(scalar, part, at.on(i * width(scalar)))?;
+                }
+            }
+            TypeInner::Matrix { columns, rows, scalar } => {
+                let column = self.ty(TypeInner::Vector { size: rows, scalar });
+                for i in 0..columns as u32 {
+                    let part = self.index(value, i);
+                    self.store(column, part, at.on(i * rows as u32 * width(scalar)))?;
+                }
+            }
+            TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
+                let step = words(self.types, base)?;
+                for i in 0..len.get() {
+                    let part = self.index(value, i);
+                    self.store(base, part, at.on(i * step))?;
+                }
+            }
+            TypeInner::Struct { members, .. } => {
+                let mut offset = 0;
+                for (i, member) in (0..).zip(members) {
+                    let part = self.index(value, i);
+                    self.store(member.ty, part, at.on(offset))?;
+                    offset += words(self.types, member.ty)?;
+                }
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+
+    fn store_scalar(&mut self, scalar: Scalar, value: Handle<Expression>, at: At) -> Option<()> {
+        let word = match (scalar.kind, scalar.width) {
+            (ScalarKind::Bool, _) => {
+                let (accept, reject) = (self.number(1), self.number(0));
+                self.computed(Expression::Select { condition: value, accept, reject })
+            }
+            (ScalarKind::Uint, 4 | 8) => value,
+            (ScalarKind::Sint | ScalarKind::Float, 4 | 8) => {
+                self.cast(value, ScalarKind::Uint, None)
+            }
+            (kind @ (ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float), _) => {
+                let held = self.cast(value, kind, Some(4));
+                self.cast(held, ScalarKind::Uint, None)
+            }
+            (ScalarKind::AbstractInt | ScalarKind::AbstractFloat, _) => return None,
+        };
+        if scalar.width != 8 {
+            self.put(word, at);
+            return Some(());
+        }
+        let low = self.cast(word, ScalarKind::Uint, Some(4));
+        self.put(low, at);
+        let half = self.number(32);
+        let high = self.binary(BinaryOperator::ShiftRight, word, half);
+        let high = self.cast(high, ScalarKind::Uint, Some(4));
+        self.put(high, at.on(1));
+        Some(())
+    }
+
+    /// Stores a word.
+    pub fn put(&mut self, value: Handle<Expression>, at: At) {
+        let pointer = self.word(at);
+        self.statement(Statement::Store { pointer, value });
+    }
+}
+
+/// Words of a scalar; [`words`](super::words) says the same of what is no type of naga's.
+fn width(scalar: Scalar) -> u32 {
+    if scalar.width == 8 { 2 } else { 1 }
+}
+
+/// Words of a type; none of one that has no value.
+fn words(types: &UniqueArena<Type>, ty: Handle<Type>) -> Option<u32> {
+    Some(match &types[ty].inner {
+        TypeInner::Scalar(scalar) => width(*scalar),
+        TypeInner::Vector { size, scalar } => *size as u32 * width(*scalar),
+        TypeInner::Matrix { columns, rows, scalar } => {
+            *columns as u32 * *rows as u32 * width(*scalar)
+        }
+        TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
+            words(types, *base)?.checked_mul(len.get())?
+        }
+        TypeInner::Struct { members, .. } => {
+            let each = members.iter().map(|member| words(types, member.ty));
+            each.sum::<Option<u32>>()?
+        }
+        _ => return None,
+    })
+}

@@ -1,0 +1,230 @@
+//! A function in naga's IR with an entry point that calls it once a lane, for wgpu and the
+//! evaluator.
+//!
+//! Compute, or a fragment stage where the function does what only those may: discards, samples
+//! by differences between neighbours.
+
+use std::sync::Arc;
+
+use naga::{
+    AddressSpace, ArraySize, BinaryOperator, Binding, BuiltIn, EntryPoint, Expression, Function,
+    FunctionArgument, GlobalVariable, Handle, ResourceBinding, Scalar, ScalarKind, ShaderStage,
+    Span, Statement, StorageAccess, Type, TypeInner, VectorSize,
+};
+
+use super::builder::{At, Builder};
+use super::words::Places;
+use super::{Code, Lanes, ROW, buffer};
+use crate::Diagnostic;
+use crate::run::Module;
+use crate::run::call::pure::{Asks, Pure, Slot};
+use crate::run::reader::{Failure, Resource, ResourceKind, StageCode};
+use crate::source::Stage;
+
+/// The new entry point.
+const ENTRY: &str = "landfall_main";
+/// The buffers' names.
+const INPUTS: &str = "landfall_in";
+const OUTPUTS: &str = "landfall_out";
+
+/// Invocations of a workgroup.
+const GROUP: u32 = 64;
+
+/// Invocations of a workgroup: a function that is called once may do what others see.
+fn invocations(pure: &Pure) -> u32 {
+    match pure.asks {
+        Asks::Pure => GROUP,
+        Asks::Call => 1,
+    }
+}
+
+/// What runs a function.
+pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
+    let (group, binding) = pure.module.free_place();
+    let bindings = [(group, binding), (group, binding.saturating_add(1))];
+    let at = |stage| made(pure, places, bindings, stage);
+    let (stage, module) = match at(ShaderStage::Compute) {
+        Ok(module) => (Stage::Compute, module),
+        Err(found) => match at(ShaderStage::Fragment) {
+            Ok(module) => (Stage::Fragment, module),
+            Err(_) => {
+                let first = found.first().map_or("no reason given", |f| f.message.as_str());
+                let message = format!("the call cannot be run: {first}");
+                return Err(Failure::refused(message, ""));
+            }
+        },
+    };
+    // What became variables of a lane is not bound, and its place may be taken.
+    let has = |module: &Module, resource: &Resource| {
+        let place = Some(ResourceBinding { group: resource.group, binding: resource.binding });
+        let pushed = matches!(resource.kind, ResourceKind::PushConstant(_));
+        module.ir.global_variables.iter().any(|(_, global)| {
+            if pushed { global.space == AddressSpace::Immediate } else { global.binding == place }
+        })
+    };
+    let bound = |resource: &&Resource| has(&pure.module, resource) && has(&module, resource);
+    Ok(Code {
+        resources: pure.resources.iter().filter(bound).cloned().collect(),
+        stages: vec![StageCode {
+            stage,
+            entry: ENTRY.to_string(),
+            module: Some(Arc::new(module)),
+            glsl: None,
+            spirv: None,
+        }],
+        buffers: [buffer(INPUTS, bindings[0]), buffer(OUTPUTS, bindings[1])],
+        lanes: match stage {
+            Stage::Fragment => Lanes::Pixels,
+            _ => Lanes::Groups(invocations(pure)),
+        },
+    })
+}
+
+/// The module with nothing in it but what a lane runs.
+fn made(
+    pure: &Pure,
+    places: &Places,
+    bindings: [(u32, u32); 2],
+    stage: ShaderStage,
+) -> Result<Module, Vec<Diagnostic>> {
+    let mut ir = pure.module.ir.clone();
+    let uint = Type { name: None, inner: TypeInner::Scalar(Scalar::U32) };
+    let uint = ir.types.insert(uint, Span::UNDEFINED);
+    let words = TypeInner::Array { base: uint, size: ArraySize::Dynamic, stride: 4 };
+    let words = ir.types.insert(Type { name: None, inner: words }, Span::UNDEFINED);
+    let mut variable = |name: &str, (group, binding): (u32, u32), access| {
+        let global = GlobalVariable {
+            name: Some(name.to_string()),
+            space: AddressSpace::Storage { access },
+            binding: Some(ResourceBinding { group, binding }),
+            ty: words,
+            init: None,
+            memory_decorations: naga::MemoryDecorations::empty(),
+        };
+        ir.global_variables.append(global, Span::UNDEFINED)
+    };
+    let inputs = variable(INPUTS, bindings[0], StorageAccess::LOAD);
+    let outputs = variable(OUTPUTS, bindings[1], StorageAccess::LOAD | StorageAccess::STORE);
+    let function = entry(pure, places, &mut ir, [inputs, outputs], stage);
+    let function = function.ok_or_else(|| {
+        let message = "a parameter or result is no plain value";
+        vec![Diagnostic::error("cannot-run", crate::Span::default(), message)]
+    })?;
+    let compute = stage == ShaderStage::Compute;
+    ir.entry_points = vec![EntryPoint {
+        name: ENTRY.to_string(),
+        stage,
+        early_depth_test: None,
+        workgroup_size: if compute { [invocations(pure), 1, 1] } else { [0; 3] },
+        workgroup_size_overrides: None,
+        function,
+        mesh_info: None,
+        task_payload: None,
+        incoming_ray_payload: None,
+    }];
+    let whole = Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()?;
+    let mut ir = whole.ir;
+    naga::compact::compact(&mut ir, naga::compact::KeepUnused::No);
+    Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()
+}
+
+/// Reads the words of a lane, calls the function, writes what it gave.
+fn entry(
+    pure: &Pure,
+    places: &Places,
+    ir: &mut naga::Module,
+    [inputs, outputs]: [Handle<GlobalVariable>; 2],
+    stage: ShaderStage,
+) -> Option<Function> {
+    let (caller, parameters, result) = {
+        let (handle, caller) = ir.functions.iter().last()?;
+        let types: Vec<Handle<Type>> = caller.arguments.iter().map(|a| a.ty).collect();
+        (handle, types, caller.result.as_ref().map(|result| result.ty))
+    };
+    let mut new = Builder::new(&mut ir.types);
+    let lane = lane(&mut new, stage);
+    let from = new.number(places.words_in);
+    let to = new.number(places.words_out);
+    let [inputs, outputs] = [inputs, outputs].map(|v| new.given(Expression::GlobalVariable(v)));
+    let base = new.binary(BinaryOperator::Multiply, lane, from);
+    let from = At { buffer: inputs, base, offset: 0 };
+    let base = new.binary(BinaryOperator::Multiply, lane, to);
+    let to = At { buffer: outputs, base, offset: 0 };
+    let mut arguments = Vec::with_capacity(parameters.len());
+    for (ty, slot) in parameters.iter().zip(&pure.slots) {
+        let pointed = match new.types[*ty].inner {
+            TypeInner::Pointer { base, .. } => Some(base),
+            _ => None,
+        };
+        let value_type = pointed.unwrap_or(*ty);
+        let value = match (places.slot(slot), slot) {
+            (Some(first), _) => new.load(value_type, At { offset: first, ..from })?,
+            (None, Slot::Given(_) | Slot::Zero(_) | Slot::Out) => {
+                new.given(Expression::ZeroValue(value_type))
+            }
+        };
+        arguments.push(match pointed {
+            None => value,
+            Some(ty) => {
+                let pointer = new.local(ty);
+                new.statement(Statement::Store { pointer, value });
+                pointer
+            }
+        });
+    }
+    let returned = result.map(|ty| (new.call_result(caller), ty));
+    let call = Statement::Call {
+        function: caller,
+        arguments: arguments.clone(),
+        result: returned.map(|(value, _)| value),
+    };
+    new.statement(call);
+    for (result, first) in pure.results.iter().zip(&places.results) {
+        let (value, ty) = match result.at {
+            None => returned?,
+            Some(at) => {
+                let TypeInner::Pointer { base, .. } = new.types[parameters[at]].inner else {
+                    return None;
+                };
+                (new.computed(Expression::Load { pointer: arguments[at] }), base)
+            }
+        };
+        new.store(ty, value, At { offset: *first, ..to })?;
+    }
+    let one = new.number(1);
+    new.put(one, At { offset: places.done, ..to });
+    new.statement(Statement::Return { value: None });
+    let mut function = new.finish();
+    function.name = Some(ENTRY.to_string());
+    Some(function)
+}
+
+/// The number of the lane that runs.
+fn lane(new: &mut Builder<'_>, stage: ShaderStage) -> Handle<Expression> {
+    let compute = stage == ShaderStage::Compute;
+    let (inner, builtin) = match compute {
+        true => (
+            TypeInner::Vector { size: VectorSize::Tri, scalar: Scalar::U32 },
+            BuiltIn::GlobalInvocationId,
+        ),
+        false => (
+            TypeInner::Vector { size: VectorSize::Quad, scalar: Scalar::F32 },
+            BuiltIn::Position { invariant: false },
+        ),
+    };
+    let ty = new.ty(inner);
+    let binding = Some(Binding::BuiltIn(builtin));
+    new.function.arguments.push(FunctionArgument { name: None, ty, binding });
+    let place = new.given(Expression::FunctionArgument(0));
+    let x = new.index(place, 0);
+    if compute {
+        return x;
+    }
+    let whole = |expr| Expression::As { expr, kind: ScalarKind::Uint, convert: Some(4) };
+    let x = new.computed(whole(x));
+    let y = new.index(place, 1);
+    let y = new.computed(whole(y));
+    let row = new.number(ROW);
+    let before = new.binary(BinaryOperator::Multiply, y, row);
+    new.binary(BinaryOperator::Add, before, x)
+}

@@ -1,0 +1,251 @@
+//! A value in GLSL as the scalars that are read from words or written to them.
+//!
+//! Made of a plain type, or of a member of a block, whose memory may be carried otherwise than
+//! GLSL declares it: rows of a matrix, whole numbers for bools. Feeds [`text`](super::text).
+
+use std::fmt::Write as _;
+
+use super::words::width;
+use crate::layout::MemberLayout;
+use crate::run::eval::ValueType;
+use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
+
+/// Scalars of a value, the places of their words counted from its own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Piece {
+    /// One of them: the way to it, its type in the text, its word.
+    Scalar { path: String, scalar: Scalar, word: u32 },
+    /// An array: the way to it, and its first element's.
+    Array { path: String, len: u32, step: u32, word: u32, element: Vec<Piece> },
+}
+
+const ROWS: [&str; 4] = ["x", "y", "z", "w"];
+
+/// The pieces of a value whose type in the text is that one.
+pub(super) fn plain(ty: &ValueType, new: &dyn Fn(&str) -> String) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    let mut word = 0;
+    push(ty, String::new(), new, &mut word, &mut pieces);
+    pieces
+}
+
+fn push(
+    ty: &ValueType,
+    path: String,
+    new: &dyn Fn(&str) -> String,
+    word: &mut u32,
+    to: &mut Vec<Piece>,
+) {
+    let mut scalar = |path: String, scalar: Scalar| {
+        to.push(Piece::Scalar { path, scalar, word: *word });
+        *word += width(scalar);
+    };
+    match ty {
+        ValueType::Scalar(one) => scalar(path, *one),
+        ValueType::Vector { scalar: one, rows } => {
+            ROWS[..usize::from(*rows).min(4)]
+                .iter()
+                .for_each(|row| scalar(format!("{path}.{row}"), *one));
+        }
+        ValueType::Matrix { scalar: one, columns, rows } => {
+            for column in 0..*columns {
+                (0..*rows).for_each(|row| scalar(format!("{path}[{column}][{row}]"), *one));
+            }
+        }
+        ValueType::Array { element, len } => {
+            let mut pieces = Vec::new();
+            let mut step = 0;
+            push(element, String::new(), new, &mut step, &mut pieces);
+            to.push(Piece::Array { path, len: *len, step, word: *word, element: pieces });
+            *word += step * len;
+        }
+        ValueType::Struct { members, .. } => {
+            for (name, ty) in members {
+                push(ty, format!("{path}.{}", new(name)), new, word, to);
+            }
+        }
+    }
+}
+
+/// The pieces of a member of a block, whose words are those of `carried`; none where they are not
+/// its own.
+pub(super) fn member(
+    layout: &MemberLayout,
+    carried: &ValueType,
+    new: &dyn Fn(&str) -> String,
+) -> Option<Vec<Piece>> {
+    let mut pieces = Vec::new();
+    let mut word = 0;
+    push_member(layout, &layout.ty, carried, String::new(), new, &mut word, &mut pieces)?;
+    Some(pieces)
+}
+
+fn push_member(
+    layout: &MemberLayout,
+    ty: &Type,
+    carried: &ValueType,
+    path: String,
+    new: &dyn Fn(&str) -> String,
+    word: &mut u32,
+    to: &mut Vec<Piece>,
+) -> Option<()> {
+    let mut scalar = |path: String, scalar: Scalar| {
+        to.push(Piece::Scalar { path, scalar, word: *word });
+        *word += width(scalar);
+    };
+    match (ty, carried) {
+        (Type::Scalar(one), ValueType::Scalar(_)) => scalar(path, *one),
+        (Type::Vector { scalar: one, rows }, ValueType::Vector { rows: held, .. })
+            if rows == held =>
+        {
+            ROWS[..usize::from(*rows).min(4)]
+                .iter()
+                .for_each(|row| scalar(format!("{path}.{row}"), *one));
+        }
+        (Type::Matrix { scalar: one, columns, rows }, ValueType::Matrix { .. }) => {
+            for column in 0..*columns {
+                (0..*rows).for_each(|row| scalar(format!("{path}[{column}][{row}]"), *one));
+            }
+        }
+        (Type::Matrix { scalar: one, columns, rows }, ValueType::Array { element, len }) => {
+            let (outer, inner) =
+                if layout.row_major { (*rows, *columns) } else { (*columns, *rows) };
+            let ValueType::Vector { rows: held, .. } = **element else { return None };
+            if (*len, held) != (u32::from(outer), inner) {
+                return None;
+            }
+            for i in 0..outer {
+                for j in 0..inner {
+                    let (column, row) = if layout.row_major { (j, i) } else { (i, j) };
+                    scalar(format!("{path}[{column}][{row}]"), *one);
+                }
+            }
+        }
+        (
+            Type::Array { element, len: ArrayLen::Fixed(len) },
+            ValueType::Array { element: held, len: carried },
+        ) if len == carried => {
+            let mut pieces = Vec::new();
+            let mut step = 0;
+            push_member(layout, element, held, String::new(), new, &mut step, &mut pieces)?;
+            to.push(Piece::Array { path, len: *len, step, word: *word, element: pieces });
+            *word += step.checked_mul(*len)?;
+        }
+        (Type::Struct(_), ValueType::Struct { members, .. }) => {
+            for (name, carried) in members {
+                let member = layout.members.iter().find(|member| *member.name == **name)?;
+                let path = format!("{path}.{}", new(name));
+                push_member(member, &member.ty, carried, path, new, word, to)?;
+            }
+        }
+        (
+            Type::Scalar(_)
+            | Type::Vector { .. }
+            | Type::Matrix { .. }
+            | Type::Array { .. }
+            | Type::Struct(_)
+            | Type::Atomic(_)
+            | Type::Address(_),
+            _,
+        ) => return None,
+    }
+    Some(())
+}
+
+/// Which way words go.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    Load,
+    Store,
+}
+
+/// Appends statements that move the words of `pieces`: those of `name`, from or to the words of
+/// `buffer` from number `from` on.
+pub(super) fn moves(
+    text: &mut String,
+    pieces: &[Piece],
+    way: Way,
+    (name, buffer, from): (&str, &str, &str),
+) {
+    nested(text, pieces, way, (name, buffer, from), 1);
+}
+
+fn nested(
+    text: &mut String,
+    pieces: &[Piece],
+    way: Way,
+    (name, buffer, from): (&str, &str, &str),
+    depth: usize,
+) {
+    let space = "    ".repeat(depth);
+    for piece in pieces {
+        match piece {
+            Piece::Scalar { path, scalar, word } => {
+                let at = |more: u32| format!("{buffer}[{from} + {}u]", word + more);
+                let place = format!("{name}{path}");
+                let line = match way {
+                    Way::Load => format!("{place} = {};", loaded(*scalar, at)),
+                    Way::Store => stored(*scalar, &place, at),
+                };
+                let _ = writeln!(text, "{space}{line}");
+            }
+            Piece::Array { path, len, step, word, element } => {
+                let i = format!("landfall_i{depth}");
+                let _ = writeln!(text, "{space}for (uint {i} = 0u; {i} < {len}u; ++{i}) {{");
+                let from = format!("{from} + {word}u + {i} * {step}u");
+                let name = format!("{name}{path}[{i}]");
+                nested(text, element, way, (&name, buffer, &from), depth + 1);
+                let _ = writeln!(text, "{space}}}");
+            }
+        }
+    }
+}
+
+/// A scalar made of its words.
+fn loaded(scalar: Scalar, at: impl Fn(u32) -> String) -> String {
+    let (low, both) = (at(0), || format!("uvec2({}, {})", at(0), at(1)));
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => format!("{low} != 0u"),
+        (ScalarKind::Uint, 8) => format!("packUint2x32({})", both()),
+        (ScalarKind::Sint, 8) => format!("int64_t(packUint2x32({}))", both()),
+        (ScalarKind::Float, 8) => format!("packDouble2x32({})", both()),
+        (ScalarKind::Uint, 4) => low,
+        (ScalarKind::Sint, 4) => format!("int({low})"),
+        (ScalarKind::Float, 4) => format!("uintBitsToFloat({low})"),
+        (ScalarKind::Uint, width) => format!("uint{}_t({low})", width * 8),
+        (ScalarKind::Sint, width) => format!("int{}_t(int({low}))", width * 8),
+        (
+            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
+            _,
+        ) => {
+            format!("float16_t(uintBitsToFloat({low}))")
+        }
+    }
+}
+
+/// A statement that stores the words of a scalar.
+fn stored(scalar: Scalar, place: &str, at: impl Fn(u32) -> String) -> String {
+    let low = at(0);
+    let both = |halves: &str| {
+        let high = at(1);
+        format!(
+            "{{ uvec2 landfall_halves = {halves}; {low} = landfall_halves.x; \
+             {high} = landfall_halves.y; }}"
+        )
+    };
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => format!("{low} = {place} ? 1u : 0u;"),
+        (ScalarKind::Uint | ScalarKind::Sint, 8) => {
+            both(&format!("unpackUint2x32(uint64_t({place}))"))
+        }
+        (ScalarKind::Float, 8) => both(&format!("unpackDouble2x32({place})")),
+        (ScalarKind::Sint, width) if width < 4 => format!("{low} = uint(int({place}));"),
+        (ScalarKind::Uint | ScalarKind::Sint, _) => format!("{low} = uint({place});"),
+        (
+            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
+            _,
+        ) => {
+            format!("{low} = floatBitsToUint(float({place}));")
+        }
+    }
+}
