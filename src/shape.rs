@@ -2,10 +2,12 @@
 //!
 //! Made by [`parse`](mod@crate::parse), read by [`layout`](crate::layout()).
 
-use std::fmt;
+mod spelled;
+
 use std::sync::Arc;
 
 use crate::source::{Language, Span};
+pub use spelled::Spelled;
 
 /// What a component is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -155,6 +157,22 @@ pub struct Member {
     pub span: Span,
     /// The comments that belong to it: on the lines before it and at the end of its own line.
     pub comment: Vec<Span>,
+}
+
+impl Member {
+    /// One of which the text says no more than its name and its type.
+    pub fn plain(name: Arc<str>, ty: Type, span: Span) -> Member {
+        Member {
+            name,
+            ty,
+            majorness: None,
+            offset: None,
+            align: None,
+            size: None,
+            span,
+            comment: Vec::new(),
+        }
+    }
 }
 
 /// Where a block lives.
@@ -335,124 +353,5 @@ impl Type {
     /// The type as its language spells it: `PointLight[128]`, `array<vec3<f32>, 4>`.
     pub fn spelled(&self, language: Language) -> Spelled<'_> {
         Spelled { ty: self, language }
-    }
-}
-
-/// A type to be printed in its language's spelling.
-pub struct Spelled<'a> {
-    ty: &'a Type,
-    language: Language,
-}
-
-impl fmt::Display for Spelled<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.language {
-            Language::Glsl => glsl_name(self.ty, f),
-            Language::Wgsl => wgsl_name(self.ty, f),
-        }
-    }
-}
-
-fn glsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    match ty {
-        Type::Scalar(s) | Type::Atomic(s) => f.write_str(match (s.kind, s.width) {
-            (ScalarKind::Bool, _) => "bool",
-            (ScalarKind::Sint, 1) => "int8_t",
-            (ScalarKind::Sint, 2) => "int16_t",
-            (ScalarKind::Sint, 8) => "int64_t",
-            (ScalarKind::Sint, _) => "int",
-            (ScalarKind::Uint, 1) => "uint8_t",
-            (ScalarKind::Uint, 2) => "uint16_t",
-            (ScalarKind::Uint, 8) => "uint64_t",
-            (ScalarKind::Uint, _) => "uint",
-            (ScalarKind::Float, 2) => "float16_t",
-            (ScalarKind::Float, 8) => "double",
-            (ScalarKind::Float, _) => "float",
-            (ScalarKind::Bfloat, _) => "bfloat16_t",
-            (ScalarKind::FloatE5m2, _) => "floate5m2_t",
-            (ScalarKind::FloatE4m3, _) => "floate4m3_t",
-        }),
-        Type::Vector { scalar, rows } => write!(f, "{}vec{rows}", glsl_prefix(*scalar)),
-        Type::Matrix { scalar, columns, rows } => {
-            write!(f, "{}mat{columns}", glsl_prefix(*scalar))?;
-            if columns != rows {
-                write!(f, "x{rows}")?;
-            }
-            Ok(())
-        }
-        Type::Address(name) => f.write_str(name),
-        Type::Struct(s) if s.name.is_empty() => f.write_str("struct"),
-        Type::Struct(s) => f.write_str(&s.name),
-        Type::Array { .. } => {
-            glsl_name(ty.innermost(), f)?;
-            ty.dims().iter().try_for_each(|len| match len {
-                ArrayLen::Fixed(n) => write!(f, "[{n}]"),
-                ArrayLen::Runtime => f.write_str("[]"),
-                ArrayLen::Override(name) => write!(f, "[{name}]"),
-            })
-        }
-    }
-}
-
-fn glsl_prefix(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => "b",
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i",
-        (ScalarKind::Uint, 1) => "u8",
-        (ScalarKind::Uint, 2) => "u16",
-        (ScalarKind::Uint, 8) => "u64",
-        (ScalarKind::Uint, _) => "u",
-        (ScalarKind::Float, 2) => "f16",
-        (ScalarKind::Float, 8) => "d",
-        (ScalarKind::Float, _) => "",
-        (ScalarKind::Bfloat, _) => "bf16",
-        (ScalarKind::FloatE5m2, _) => "fe5m2",
-        (ScalarKind::FloatE4m3, _) => "fe4m3",
-    }
-}
-
-fn wgsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    match ty {
-        Type::Scalar(s) => f.write_str(wgsl_scalar(*s)),
-        Type::Atomic(s) => write!(f, "atomic<{}>", wgsl_scalar(*s)),
-        Type::Vector { scalar, rows } => write!(f, "vec{rows}<{}>", wgsl_scalar(*scalar)),
-        Type::Matrix { scalar, columns, rows } => {
-            write!(f, "mat{columns}x{rows}<{}>", wgsl_scalar(*scalar))
-        }
-        Type::Address(name) => f.write_str(name),
-        Type::Struct(s) => f.write_str(&s.name),
-        Type::Array { element, len } => {
-            f.write_str("array<")?;
-            wgsl_name(element, f)?;
-            match len {
-                ArrayLen::Fixed(n) => write!(f, ", {n}>"),
-                ArrayLen::Runtime => f.write_str(">"),
-                ArrayLen::Override(name) => write!(f, ", {name}>"),
-            }
-        }
-    }
-}
-
-fn wgsl_scalar(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => "bool",
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i32",
-        (ScalarKind::Uint, 1) => "u8",
-        (ScalarKind::Uint, 2) => "u16",
-        (ScalarKind::Uint, 8) => "u64",
-        (ScalarKind::Uint, _) => "u32",
-        (ScalarKind::Float, 2) => "f16",
-        (ScalarKind::Float, 8) => "f64",
-        (ScalarKind::Float, _) => "f32",
-        // WGSL has none of these.
-        (ScalarKind::Bfloat, _) => "bf16",
-        (ScalarKind::FloatE5m2, _) => "f8e5m2",
-        (ScalarKind::FloatE4m3, _) => "f8e4m3",
     }
 }

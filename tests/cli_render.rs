@@ -160,7 +160,7 @@ fn what_cannot_be_rendered_is_named() {
         ),
         (
             vec!["shaders/scenes/lights_1024.json", "--shader", SHADER],
-            &["1024 point lights", "slots for 4", "--leave-out"],
+            &["1024 point lights", "slots for 4", "--leave-out", "lights_1024.json:22:25"],
         ),
         (vec![SCENE, "--shader", SHADER, "--model", "phong"], &["`multi`, `array`"]),
         (vec![SCENE, "--shader", SHADER, "-o", "a.bmp"], &["a.bmp", "png"]),
@@ -194,4 +194,35 @@ fn what_cannot_be_rendered_is_named() {
     ]);
     assert_eq!(left_out.status.code(), Some(0), "{}", text(&left_out.stderr));
     assert!(text(&left_out.stdout).contains("4 point"), "{}", text(&left_out.stdout));
+}
+
+#[test]
+fn a_scene_is_refused_at_the_light_that_has_no_slot() {
+    let folder = folder("slots");
+    let scene = folder.join("five.json").display().to_string();
+    let lamps: Vec<String> =
+        (0..5).map(|x| format!("{{\"position\": [{x}, 2, 0], \"color\": 1}}")).collect();
+    let written = |lamps: &[String]| {
+        let text = format!(
+            "{{\n\"size\": [8, 8],\n\
+             \"camera\": {{\"position\": [0, 6, 0], \"front\": [0, -1, 0], \"up\": [0, 0, 1], \"fov\": 90}},\n\
+             \"lights\": {{\"point\": [\n{}\n]}},\n\
+             \"materials\": [{{\"name\": \"grey\", \"diffuse\": 0.8}}],\n\
+             \"objects\": [{{\"mesh\": \"plane\", \"scale\": 9}}]\n}}\n",
+            lamps.join(",\n")
+        );
+        std::fs::write(&scene, text).expect("it is written");
+        landfall(&["render", &scene, "--shader", SHADER])
+    };
+    let refused = written(&lamps);
+    let said = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    // The fifth lamp stands in line 9.
+    for part in
+        ["error[too-many-lights]", "5 point lights", "slots for 4", "five.json:9:1", "--leave-out"]
+    {
+        assert!(said.contains(part), "{part}\n{said}");
+    }
+    let taken = written(&lamps[..4]);
+    assert_eq!(taken.status.code(), Some(0), "{}", text(&taken.stderr));
 }

@@ -398,9 +398,9 @@ fn a_light_of_a_seed_shader_is_what_the_evaluator_makes_of_it() {
             for lane in 0..lanes {
                 let doubles = &truth.results[0].doubles;
                 lit += usize::from(doubles[0][lane] > 1.0 / 255.0);
-                for row in 0..3 {
-                    let single = f64::from(float(called.results[0][row][lane]));
-                    far += usize::from((single - doubles[row][lane]).abs() > 0.1 / 255.0);
+                for (single, double) in called.results[0].iter().zip(doubles).take(3) {
+                    let apart = f64::from(float(single[lane])) - double[lane];
+                    far += usize::from(apart.abs() > 0.1 / 255.0);
                 }
             }
             assert!(lit > lanes / 10, "{lit} of {lanes} lanes are lit");

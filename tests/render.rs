@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use landfall::light::bind::{Excess, Lit};
-use landfall::light::reference::Model;
+use landfall::light::reference::{Model, Window};
 use landfall::light::render::truth::{Truth, likely, nearest, truth};
 use landfall::light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer, Work};
 use landfall::light::scene::read_file;
@@ -148,6 +148,34 @@ fn every_scene_is_lit_as_its_reference_says() {
                 assert!(lit, "{shader} on {who} is black");
             }
         }
+    }
+}
+
+/// A shader may hold a range and cut lights off there, or window them: its picture tells.
+#[test]
+fn a_range_is_a_window_only_where_the_picture_has_one() {
+    let plain = include_str!("../shaders/casters/point_330.frag");
+    let ranged =
+        plain.replace("    float quadratic;\n};", "    float quadratic;\n    float range;\n};");
+    let last = "    return lit * attenuation(";
+    let cut = "    if (d2 > light.range * light.range) return vec3(0.0);\n";
+    let window = "    float s = d2 / (light.range * light.range);\n    \
+                  lit *= pow(max(1.0 - s * s, 0.0), 2.0);\n";
+    let mut made = Made::new("caster_point.json", [80, 60]);
+    made.upload.lights.point[0].attenuation.range = Some(40.0);
+    for (added, wanted) in [(cut, Window::None), (window, Window::Quartic)] {
+        let text = ranged.replace(last, &format!("{added}{last}"));
+        assert_eq!(text.matches("light.range").count(), 2);
+        let source = Source::new("ranged.frag", text);
+        let renderer = Renderer::new(&source, &RenderOptions::default());
+        let renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
+        let rendered = made.render(&renderer, &mut Cpu::default());
+        let guess = likely(&renderer.map);
+        assert_eq!(guess.window, Window::Quartic, "the guess goes by the member");
+        let model = nearest(&guess, &made.upload, &made.frame, &rendered.picture);
+        assert_eq!(model.window, wanted, "{added}");
+        let held = held(&rendered, &made.truth(&model));
+        assert!(held.linear.max < 0.01, "{added}: {:?}", held.linear);
     }
 }
 

@@ -6,6 +6,7 @@
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr as _;
 
+use super::columns::{self, GAP};
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, PLAIN, STRONG};
 use super::{Paint, SCHEMA_VERSION};
@@ -44,15 +45,20 @@ pub fn table(found: &[Found], paint: Paint) -> String {
     for (found, width) in found.iter().flat_map(|f| [(f.reader, 0), (f.kind.as_str(), 1)]) {
         widths[width] = widths[width].max(found.width());
     }
-    let mut text = line(&TITLES.map(String::from), &widths, |cell| paint.text(FAINT, cell));
+    let mut text = columns::row(&TITLES.map(String::from), &widths, NUMBERS, |_, cell| {
+        paint.text(FAINT, cell)
+    });
     for (row, found) in rows.iter().zip(found) {
         match row {
             Row::There(cells) => {
-                text.push_str(&line(cells, &widths, |cell| paint.text(PLAIN, cell)));
+                text.push_str(&columns::row(cells, &widths, NUMBERS, |_, cell| {
+                    paint.text(PLAIN, cell)
+                }));
             }
             Row::Missing(failure) => {
                 let start = [found.reader, found.kind.as_str()].map(String::from);
-                let mut start = line(&start, &widths, |cell| paint.text(PLAIN, cell));
+                let mut start =
+                    columns::row(&start, &widths, NUMBERS, |_, cell| paint.text(PLAIN, cell));
                 start.truncate(start.trim_end().len());
                 let indent = widths[..ADAPTER].iter().map(|w| w + GAP.len()).sum();
                 text.push_str(&start);
@@ -113,27 +119,6 @@ impl Row<'_> {
 
 fn runs_on(device: &Device) -> &'static str {
     if device.software { "processor" } else { "hardware" }
-}
-
-const GAP: &str = "  ";
-
-fn line(cells: &[String], widths: &[usize], paint: impl Fn(&str) -> String) -> String {
-    let mut text = String::new();
-    for (at, (cell, width)) in cells.iter().zip(widths).enumerate() {
-        let space = " ".repeat(width.saturating_sub(cell.width()));
-        if at > 0 {
-            text.push_str(GAP);
-        }
-        if at >= NUMBERS {
-            text.push_str(&space);
-        }
-        text.push_str(&paint(cell));
-        if at < NUMBERS && at + 1 < cells.len() {
-            text.push_str(&space);
-        }
-    }
-    text.push('\n');
-    text
 }
 
 #[derive(Serialize)]

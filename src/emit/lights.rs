@@ -6,6 +6,7 @@ mod json;
 
 use unicode_width::UnicodeWidthStr as _;
 
+use super::columns;
 use super::diagnostics::human as diagnostics;
 use super::diagnostics::render::{Drawing, Pen};
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, STRONG, TYPE};
@@ -56,7 +57,6 @@ const TITLES: [&str; 8] =
     ["kind", "light", "block", "bytes", "padding", "slots", "array", "block bytes"];
 /// The first column of numbers, which stand to the right.
 const NUMBERS: usize = 3;
-const GAP: &str = "  ";
 
 fn table(lights: &[Light], paint: Paint) -> String {
     let rows: Vec<[String; 8]> = lights.iter().map(row).collect();
@@ -66,32 +66,15 @@ fn table(lights: &[Light], paint: Paint) -> String {
             *width = (*width).max(cell.width());
         }
     }
-    let mut text = line(&TITLES.map(String::from), &widths, |_, cell| paint.text(FAINT, cell));
+    let mut text = columns::row(&TITLES.map(String::from), &widths, NUMBERS, |_, cell| {
+        paint.text(FAINT, cell)
+    });
     for row in &rows {
         let style = |column| if column == 1 { STRONG } else { PLAIN };
-        text.push_str(&line(row, &widths, |column, cell| paint.text(style(column), cell)));
+        text.push_str(&columns::row(row, &widths, NUMBERS, |column, cell| {
+            paint.text(style(column), cell)
+        }));
     }
-    text
-}
-
-fn line(cells: &[String; 8], widths: &[usize; 8], paint: impl Fn(usize, &str) -> String) -> String {
-    let mut text = String::new();
-    for (at, (cell, width)) in cells.iter().zip(widths).enumerate() {
-        let space = " ".repeat(width.saturating_sub(cell.width()));
-        if at > 0 {
-            text.push_str(GAP);
-        }
-        if at >= NUMBERS {
-            text.push_str(&space);
-        }
-        text.push_str(&paint(at, cell));
-        if at < NUMBERS {
-            text.push_str(&space);
-        }
-    }
-    let end = text.trim_end().len();
-    text.truncate(end);
-    text.push('\n');
     text
 }
 

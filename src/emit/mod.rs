@@ -8,9 +8,11 @@
 pub mod bench;
 pub mod bind;
 pub mod c;
+mod columns;
 pub mod compare;
 pub mod coverage;
 mod csv;
+mod device;
 pub mod devices;
 pub mod diagnostics;
 pub mod diff;

@@ -6,6 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 use serde_json::Value;
 
+use super::device::JsonDevice;
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use super::verify::about;
@@ -204,15 +205,6 @@ struct Document<'a> {
 }
 
 #[derive(Serialize)]
-struct JsonDevice<'a> {
-    reader: &'a str,
-    adapter: &'a str,
-    driver: &'a str,
-    version: &'a str,
-    software: bool,
-}
-
-#[derive(Serialize)]
 struct JsonLights {
     directional: usize,
     point: usize,
@@ -295,13 +287,7 @@ pub fn json(report: &RenderReport) -> String {
         tool: Tool::LANDFALL,
         scene: &report.scene,
         shader: report.shader.as_deref(),
-        device: report.device.as_ref().map(|device| JsonDevice {
-            reader: device.reader,
-            adapter: &device.adapter,
-            driver: &device.driver,
-            version: &device.version,
-            software: device.software,
-        }),
+        device: report.device.as_ref().map(JsonDevice::from),
         size: report.size,
         fragments: report.fragments,
         non_finite: report.non_finite,

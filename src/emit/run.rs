@@ -9,6 +9,7 @@ use serde_json::Value;
 use unicode_width::UnicodeWidthStr;
 
 use super::SCHEMA_VERSION;
+use super::device::JsonDevice;
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use super::verify::about;
@@ -129,22 +130,13 @@ struct Object<'a> {
     tool: Tool,
     path: &'a str,
     function: &'a str,
-    reader: ReaderObject<'a>,
+    reader: JsonDevice<'a>,
     result: Option<GivenObject>,
     parameters: Vec<ParameterObject<'a>>,
     discarded: bool,
     operations: Option<u64>,
     undefined: Vec<UndefinedObject<'a>>,
     notes: &'a [String],
-}
-
-#[derive(Serialize)]
-struct ReaderObject<'a> {
-    reader: &'a str,
-    adapter: &'a str,
-    driver: &'a str,
-    version: &'a str,
-    software: bool,
 }
 
 #[derive(Serialize)]
@@ -195,13 +187,7 @@ pub fn json(report: &CallReport) -> String {
         tool: Tool::LANDFALL,
         path: &report.path,
         function: &report.function,
-        reader: ReaderObject {
-            reader: report.reader.reader,
-            adapter: &report.reader.adapter,
-            driver: &report.reader.driver,
-            version: &report.reader.version,
-            software: report.reader.software,
-        },
+        reader: JsonDevice::from(&report.reader),
         result: report.result.as_ref().map(GivenObject::of),
         parameters: parameters.collect(),
         discarded: report.discarded,

@@ -8,16 +8,7 @@ use crate::source::{Files, Language, Span};
 use crate::{ShaderLayout, Source};
 
 pub fn member(name: &str, ty: Type) -> Member {
-    Member {
-        name: name.into(),
-        ty,
-        majorness: None,
-        offset: None,
-        align: None,
-        size: None,
-        span: Span::default(),
-        comment: vec![],
-    }
+    Member::plain(name.into(), ty, Span::default())
 }
 
 pub fn float() -> Type {

@@ -4,7 +4,8 @@
 //! Reads the [model](super), feeds [`padding`](super::padding), [`byte`](super::byte) and
 //! [`explain`](super::explain).
 
-use super::{MemberLayout, leaf_size};
+use super::MemberLayout;
+use super::leaves::leaf_size;
 use crate::shape::{ArrayLen, Rules, Type};
 
 /// A column of a matrix, or a row of a row-major one: the bytes that hold components.

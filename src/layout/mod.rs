@@ -8,6 +8,7 @@ pub mod byte;
 #[cfg(test)]
 pub(crate) mod examples;
 pub mod explain;
+mod leaves;
 pub(crate) mod measure;
 pub mod padding;
 pub mod path;
@@ -21,6 +22,8 @@ use crate::shape::{
     AddressSpace, ArrayLen, Block, Majorness, Member, OffsetOrder, Rules, Struct, Type, Written,
 };
 use crate::source::Span;
+pub(crate) use leaves::leaves_of;
+pub use leaves::occupied;
 use rules::{Alignment, Cursor, TooLarge};
 
 /// A block may not be larger than this: offsets are 32 bits wide in every API.
@@ -170,16 +173,6 @@ pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     }
     result.leaves = leaves_of(&result.members);
     Ok(result)
-}
-
-/// The leaves below the members of a block.
-pub(crate) fn leaves_of(members: &[MemberLayout]) -> Vec<Leaf> {
-    let mut leaves = Vec::new();
-    for member in members {
-        let start = Pattern { path: String::new(), offset: Some(0), dims: vec![], strides: vec![] };
-        collect_leaves(member, start, &mut leaves);
-    }
-    leaves
 }
 
 fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diagnostic>> {
@@ -435,70 +428,6 @@ fn loose(member: &Member, inherited: Majorness) -> MemberLayout {
 
 fn is_matrix(ty: &Type) -> bool {
     matches!(ty, Type::Matrix { .. })
-}
-
-/// What is known of a leaf on the way down to it.
-#[derive(Clone)]
-struct Pattern {
-    path: String,
-    offset: Option<u64>,
-    dims: Vec<ArrayLen>,
-    strides: Vec<u64>,
-}
-
-fn collect_leaves(member: &MemberLayout, mut at: Pattern, leaves: &mut Vec<Leaf>) {
-    if !at.path.is_empty() {
-        at.path.push('.');
-    }
-    at.path.push_str(&member.name);
-    for _ in &member.dims {
-        at.path.push_str("[]");
-    }
-    at.offset = at.offset.zip(member.offset).map(|(base, offset)| base + offset);
-    at.dims.extend(member.dims.iter().cloned());
-    at.strides.extend(&member.strides);
-    if let Type::Struct(_) = member.ty.innermost() {
-        for child in &member.members {
-            collect_leaves(child, at.clone(), leaves);
-        }
-        return;
-    }
-    leaves.push(Leaf {
-        size: at.offset.map(|_| leaf_size(member)),
-        path: at.path,
-        ty: member.ty.innermost().clone(),
-        offset: at.offset,
-        dims: at.dims,
-        strides: at.strides,
-        matrix_stride: member.matrix_stride,
-        row_major: member.row_major,
-        span: member.span,
-        naga: None,
-    });
-}
-
-/// Bytes of one element of a member that is no structure.
-fn leaf_size(member: &MemberLayout) -> u64 {
-    match member.ty.innermost() {
-        Type::Matrix { columns, rows, .. } => {
-            let vectors = if member.row_major { *rows } else { *columns };
-            member.matrix_stride.expect("a placed matrix has a stride") * u64::from(vectors)
-        }
-        plain => occupied(plain),
-    }
-}
-
-/// Bytes of a scalar, vector or matrix that hold components, matrix padding not counted.
-pub fn occupied(ty: &Type) -> u64 {
-    match ty {
-        Type::Scalar(s) | Type::Atomic(s) => s.width.into(),
-        Type::Vector { scalar, rows } => u64::from(scalar.width) * u64::from(*rows),
-        Type::Matrix { scalar, columns, rows } => {
-            u64::from(scalar.width) * u64::from(*columns) * u64::from(*rows)
-        }
-        Type::Address(_) => 8,
-        Type::Struct(_) | Type::Array { .. } => 0,
-    }
 }
 
 impl BlockLayout {

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::walk::{Visit, bytes, declared, members};
+use super::show::bytes;
+use super::walk::{Visit, declared, members};
 use super::{Check, Finding, Level, Lint, Settings, Subject};
 use crate::layout::occupied;
 use crate::layout::rules::extent;

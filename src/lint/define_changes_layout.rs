@@ -5,7 +5,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::walk::listing;
+use super::show::full_listing;
 use super::{Check, Finding, Level, Lint, Place, Settings, Subject};
 use crate::layout::measure::fixed;
 use crate::layout::{BlockLayout, Leaf};
@@ -109,7 +109,7 @@ fn change(
     shader: &ShaderLayout,
 ) -> Option<Change> {
     let (text, span) = first_difference(subject, block, other)?;
-    Some(Change { text, span, listing: listing(shader, other) })
+    Some(Change { text, span, listing: full_listing(shader, other) })
 }
 
 fn first_difference(

@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 use serde::Deserialize;
 
-use super::walk::listing;
+use super::show::full_listing;
 use super::{Check, Finding, Level, Lint, Place};
 use crate::ShaderLayout;
 use crate::error::Error;
@@ -174,7 +174,7 @@ fn finding(
     let place = Place::of(&shader.files, leaf.map_or(layout.span, |leaf| leaf.span));
     let about = format!("{}.{} in {who}", block.name, first.leaf);
     let mut finding = Finding::new(LINT.code, about, place, message);
-    finding.listing = listing(shader, layout);
+    finding.listing = full_listing(shader, layout);
     if !layout.rules_declared {
         finding = finding
             .with_note("the block declares no rules: its offsets are the driver's")

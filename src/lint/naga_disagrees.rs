@@ -5,7 +5,7 @@
 
 mod cause;
 
-use super::walk::listing;
+use super::show::full_listing;
 use super::{Check, Finding, Level, Lint, Place, Settings, Subject};
 use crate::layout::{BlockLayout, Leaf, NagaPlace};
 use crate::source::Language;
@@ -75,7 +75,7 @@ fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
     );
     let mut finding = Finding::new(LINT.code, &*block.name, Place::of(files, leaf.span), message)
         .with_text(short(leaf, naga));
-    finding.listing = listing(subject.shader, block);
+    finding.listing = full_listing(subject.shader, block);
     if let Some(span) = cause.span.filter(|span| *span != leaf.span) {
         finding = finding.with_related(Place::of(files, span), cause.word);
     }

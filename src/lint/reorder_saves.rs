@@ -9,7 +9,8 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
 
-use super::walk::{bytes, first_few, listing};
+use super::show::{bytes, full_listing};
+use super::walk::first_few;
 use super::{Check, Finding, Level, Lint, Place, Settings, Subject};
 use crate::layout::lay_out;
 use crate::layout::rules::{Cursor, extent};
@@ -85,7 +86,7 @@ fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
     let finding = Finding::new(LINT.code, &*block.name, place, message)
         .with_note("every copy of the block has to follow the change")
         .with_help(help);
-    Some(Finding { listing: listing(subject.shader, &layout), ..finding })
+    Some(Finding { listing: full_listing(subject.shader, &layout), ..finding })
 }
 
 /// A structure, with one of the ways it is laid out.

@@ -17,7 +17,7 @@ use std::rc::Rc;
 use rustc_hash::FxHashSet;
 
 use super::settings::{RustFile, RustMirror};
-use super::walk::{bytes, listing};
+use super::show::{bytes, full_listing};
 use super::{Check, Finding, Level, Lint, Place, Settings, Subject};
 use crate::error::Error;
 use crate::parse::nearest;
@@ -310,7 +310,7 @@ fn reported(declarations: &Declarations, target: &Target<'_, '_>, one: Differenc
         finding = finding.with_related(place, one.member_text);
     }
     finding.notes = one.notes;
-    finding.listing = listing(target.subject.shader, target.block);
+    finding.listing = full_listing(target.subject.shader, target.block);
     finding
         .with_note(format!("held against `{}` of `{}`", target.name, target.subject.shader.path))
         .with_help(one.help)
@@ -347,5 +347,5 @@ fn size(
         .with_related(place, bytes(needed))
         .with_note(note)
         .with_help(help);
-    Some(Finding { listing: listing(target.subject.shader, target.block), ..finding })
+    Some(Finding { listing: full_listing(target.subject.shader, target.block), ..finding })
 }

@@ -1,6 +1,7 @@
 //! `scalar-after-vec3`: something stands in the last quarter of a `vec3`'s slot.
 
-use super::walk::{Visit, bytes, members};
+use super::show::bytes;
+use super::walk::{Visit, members};
 use super::{Check, Finding, Level, Lint, Settings, Subject};
 use crate::shape::{Rules, Scalar, Type};
 

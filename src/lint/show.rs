@@ -10,8 +10,11 @@ use crate::{Options, ShaderLayout};
 
 use super::{Place, Subject};
 
-/// A block longer than this is not listed with a finding.
+/// A block of more leaves is not listed with a finding about all of it.
 const MOST_LISTED: usize = 64;
+
+/// The same of a finding for which the listing is the evidence.
+const MOST_SHOWN: usize = 500;
 
 /// `1 byte`, `16 bytes`.
 pub(super) fn bytes(n: u64) -> String {
@@ -25,9 +28,15 @@ pub(super) fn counted(n: u64, noun: &str) -> String {
 
 /// The listing of one block, if it is short enough to be read.
 pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<String> {
-    if block.leaves.len() > MOST_LISTED {
-        return None;
-    }
+    (block.leaves.len() <= MOST_LISTED).then(|| listed(shader, block))
+}
+
+/// The listing of one block, for a finding for which it is the evidence.
+pub(super) fn full_listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<String> {
+    (block.leaves.len() <= MOST_SHOWN).then(|| listed(shader, block))
+}
+
+fn listed(shader: &ShaderLayout, block: &BlockLayout) -> String {
     let one = ShaderLayout {
         path: String::new(),
         blocks: vec![block.clone()],
@@ -39,7 +48,7 @@ pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<Stri
     let text = emit::shader(&one, &EmitOptions::new(Format::Listing));
     // The first line names the file; the finding's place already does.
     let body = text.split_once('\n').map_or("", |(_, rest)| rest);
-    Some(body.trim_start_matches('\n').to_string())
+    body.trim_matches('\n').to_string()
 }
 
 /// Where a span of a shader is.

@@ -1,6 +1,6 @@
 //! `unused-block`: a block that no function touches.
 
-use super::walk::bytes;
+use super::show::bytes;
 use super::{Check, Finding, Level, Lint, Place, Settings, Subject};
 use crate::parse::naga::used::{Used, used};
 use crate::shape::AddressSpace;

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::walk::bytes;
+use super::show::bytes;
 use super::{Check, Finding, Level, Lint, Place, Settings, Subject};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::parse::naga::used::Used;

@@ -8,7 +8,6 @@ use rustc_hash::FxHashSet;
 
 use super::{Finding, Place, Subject};
 use crate::ShaderLayout;
-use crate::emit::{self, EmitOptions, Format};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Type};
 use crate::source::{Language, Span};
@@ -79,26 +78,6 @@ fn descend<'a>(
     }
 }
 
-/// Larger blocks are not listed beside a finding.
-const LONGEST_LISTING: usize = 500;
-
-/// A block's listing, without the line that names the file.
-pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<String> {
-    if block.leaves.len() > LONGEST_LISTING {
-        return None;
-    }
-    let alone = ShaderLayout {
-        path: String::new(),
-        blocks: vec![block.clone()],
-        overrides: Vec::new(),
-        files: crate::Files::default(),
-        diagnostics: Vec::new(),
-        ..*shader
-    };
-    let text = emit::document(&alone, &EmitOptions::new(Format::Listing));
-    text.split_once('\n').map(|(_, rest)| rest.trim().to_string())
-}
-
 /// `vec4 w[16]`, `w: array<vec4<f32>, 16>`.
 pub(super) fn declared(name: &str, ty: &Type, language: Language) -> String {
     match language {
@@ -116,11 +95,6 @@ pub(super) fn declared(name: &str, ty: &Type, language: Language) -> String {
         }
         Language::Wgsl => format!("{name}: {}", ty.spelled(language)),
     }
-}
-
-/// `1 byte`, `16 bytes`.
-pub(super) fn bytes(n: u64) -> String {
-    if n == 1 { "1 byte".to_string() } else { format!("{n} bytes") }
 }
 
 /// The first few of a list, and how many more there are.

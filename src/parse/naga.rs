@@ -272,16 +272,7 @@ mod tests {
     use crate::shape::{Block, Majorness, Member, Rules, Scalar, Struct, Type};
 
     fn member(name: &str, ty: Type) -> Member {
-        Member {
-            name: Arc::from(name),
-            ty,
-            majorness: None,
-            offset: None,
-            align: None,
-            size: None,
-            span: Span::default(),
-            comment: Vec::new(),
-        }
+        Member::plain(Arc::from(name), ty, Span::default())
     }
 
     fn float() -> Type {

@@ -6,6 +6,7 @@ use std::ops::Range;
 use rustc_hash::FxHashSet;
 
 use crate::parse::glsl::lexer::Kind;
+use crate::parse::glsl::qualifiers::is_qualifier;
 use crate::parse::glsl::raw::RawText;
 
 /// A token the compiler reads, outside directives.
@@ -133,35 +134,6 @@ pub(super) fn declarations(code: &[Token<'_>], macros: &FxHashSet<&str>) -> Vec<
     all
 }
 
-/// Words in front of a type.
-pub(super) const QUALIFIERS: &[&str] = &[
-    "const",
-    "in",
-    "out",
-    "inout",
-    "uniform",
-    "buffer",
-    "attribute",
-    "varying",
-    "shared",
-    "flat",
-    "smooth",
-    "noperspective",
-    "centroid",
-    "sample",
-    "patch",
-    "invariant",
-    "precise",
-    "lowp",
-    "mediump",
-    "highp",
-    "coherent",
-    "volatile",
-    "restrict",
-    "readonly",
-    "writeonly",
-];
-
 struct Reader<'c, 'a> {
     code: &'c [Token<'a>],
     macros: &'c FxHashSet<&'c str>,
@@ -219,7 +191,7 @@ impl Reader<'_, '_> {
     }
 
     fn qualifies(&self, word: &str) -> bool {
-        QUALIFIERS.contains(&word) || self.macros.contains(word)
+        is_qualifier(word) || self.macros.contains(word)
     }
 
     fn qualifiers(&mut self) -> Option<Qualifiers> {

@@ -6,9 +6,11 @@ use std::ops::Range;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::outline::{Declaration, Function, Structure, Token, Tokens, Variables};
-use super::outline::{QUALIFIERS, code, declarations};
+use super::outline::{
+    Declaration, Function, Structure, Token, Tokens, Variables, code, declarations,
+};
 use crate::parse::glsl::lexer::Kind;
+use crate::parse::glsl::qualifiers::is_qualifier;
 use crate::parse::glsl::raw::RawText;
 use crate::parse::glsl::types::{Builtin, builtin};
 use crate::source::Span;
@@ -187,7 +189,7 @@ fn qualifier_macros<'a>(text: &'a str, raw: &RawText) -> FxHashSet<&'a str> {
     }
     let named = lines.iter().filter_map(|line| match line.as_slice() {
         ["#", "define", name, body @ ..] => {
-            body.iter().all(|word| QUALIFIERS.contains(word)).then_some(*name)
+            body.iter().all(|word| is_qualifier(word)).then_some(*name)
         }
         _ => None,
     });

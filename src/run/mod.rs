@@ -29,6 +29,7 @@ pub mod reflection;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 pub mod remote;
 mod rewrite;
+mod runs;
 pub mod spirv;
 pub mod verify;
 mod wgsl;

@@ -336,6 +336,12 @@ const WRONG: &[Wrong] = &[
         "has no row; it has 7, 13, 20",
     ),
     wrong(
+        [r#"{"distance": 13}"#, r#"{"constant": 0.032}"#],
+        "lone-constant",
+        "0.032",
+        "at every distance the light is 31.25 times as bright; give `linear` and `quadratic` too",
+    ).warned(),
+    wrong(
         [r#"{"distance": 13}"#, r#"{"distance": 13, "linear": 1}"#],
         "given-twice",
         "13",

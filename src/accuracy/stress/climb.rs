@@ -2,8 +2,6 @@
 //!
 //! Feeds [`find`](super::find).
 
-use std::time::Instant;
-
 use super::drivers::{Batch, Drivers};
 use super::generate::Generator;
 use super::input::{Input, Sample, float};
@@ -52,7 +50,7 @@ pub(super) fn climb(
     };
     let mut idle = 0;
     for round in 0..ROUNDS {
-        if plan.until.is_some_and(|until| Instant::now() >= until) || idle > PATIENCE {
+        if plan.until.is_over() || idle > PATIENCE {
             break;
         }
         let mut samples = vec![best.0.clone()];

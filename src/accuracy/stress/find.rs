@@ -45,13 +45,15 @@ struct Group {
 /// Samples of one operation and kind that are looked at closely.
 const EACH: usize = 40;
 
+/// What they may take all together where nobody waits.
+const UNHURRIED: Duration = Duration::from_secs(60);
+
 /// The findings among samples that were kept.
 pub(super) fn findings(
     pure: &Pure,
     generator: &Generator<'_>,
     plan: &Plan,
     exemplars: Exemplars,
-    until: Instant,
     climbs: &mut Climbs<'_, '_>,
 ) -> Vec<Raw> {
     let inputs = generator.inputs;
@@ -65,9 +67,9 @@ pub(super) fn findings(
     // Climb from the worst losses first: what they lead to is looked at with the others.
     let mut climbed = Vec::new();
     let losses = ordered.iter().filter(|(key, _)| matches!(key.1, Why::Above | Why::Below));
-    let began = Instant::now();
-    let left = until.saturating_duration_since(began);
-    let plan_of_climbs = &Plan { until: Some(began + left / 4), ..plan.clone() };
+    let left = plan.until.left().unwrap_or(UNHURRIED);
+    let looking = plan.until.sooner(left / 2);
+    let plan_of_climbs = &Plan { until: plan.until.sooner(left / 4), ..plan.clone() };
     for (_, kept) in losses.take(4) {
         let steps = |off: &super::measure::Off| off.steps;
         climbed.push(
@@ -88,7 +90,7 @@ pub(super) fn findings(
     }
     let mut each: FxHashMap<Why, usize> = FxHashMap::default();
     for ((_, why), kept) in &ordered {
-        if Instant::now() >= began + left / 2 {
+        if looking.is_over() {
             break;
         }
         if *why == Why::Endless {
@@ -106,12 +108,13 @@ pub(super) fn findings(
         .map(|(key, group)| (key, Raw { seen: group.seen, ..group.best }))
         .collect();
     all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
-    let share = until.max(Instant::now() + Duration::from_millis(300));
+    let left = plan.until.left().unwrap_or(UNHURRIED);
+    let last = Instant::now() + left.max(Duration::from_millis(300));
     let count = all.len();
     for (nth, (key, raw)) in all.iter_mut().enumerate() {
         // Each has its part of the time that is left.
-        let now = Instant::now();
-        let share = now + share.saturating_duration_since(now) / (count - nth).max(1) as u32 * 2;
+        let left = last.saturating_duration_since(Instant::now());
+        let share = plan.until.sooner(left / (count - nth).max(1) as u32 * 2);
         let loss = raw.candidate.kind.is_none();
         let was = raw.plausible;
         let breaks = |sample: &Sample| -> bool {
@@ -122,7 +125,7 @@ pub(super) fn findings(
                 && examined.candidates.iter().any(|c| still(&c))
                 && (!loss || bad(&examined, plan))
         };
-        raw.sample = shrink(&raw.sample, inputs, generator.domain, share, breaks);
+        raw.sample = shrink(&raw.sample, inputs, generator.domain, &share, breaks);
         if let Ok(examined) = examine(pure, inputs, &raw.sample, plan) {
             raw.outcome = examined.outcome;
             if let Some(found) = examined.candidates.into_iter().find(|c| c.key(pure) == *key) {

@@ -55,7 +55,8 @@ hazards! {
         "scale before squaring, or by Horner's rule: `c + d * (l + q * d)`; let the host refuse coordinates above 1e18";
     UNDERFLOW = "H5" "underflow" Warn
         "a square is too small for an `f32`"
-        "guard it: `v * inversesqrt(max(dot(v, v), 1.0e-30))`; nearer than 1e-15 means at the same place";
+        "guard a direction: `v * inversesqrt(max(dot(v, v), 1.0e-30))`, and a divisor: `max(x, 1.0e-4)`; \
+         nearer than 1e-15 means at the same place";
     EQUAL_CUT_OFFS = "H6" "equal-cut-offs" Deny
         "inner and outer cone are the same, and their difference is divided by"
         "`clamp((theta - outer) / max(inner - outer, 1.0e-4), 0.0, 1.0)`";

@@ -2,6 +2,7 @@
 //!
 //! Reads a [`Report`]; draws with [`plot`](crate::accuracy::plot).
 
+use super::deadline::Deadline;
 use super::domain::Within;
 use super::input::{Sample, inputs};
 use super::measure::{Outcome, floats, outcome};
@@ -70,7 +71,7 @@ pub fn error_map(
     let (x, y) = (scalar(&map.x, "--map-x")?, scalar(&map.y, "--map-y")?);
     let plan = Plan {
         samples: 0,
-        until: None,
+        until: Deadline::default(),
         threads: 1,
         steps: request.steps,
         ulp: f64::INFINITY,

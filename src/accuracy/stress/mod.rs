@@ -8,6 +8,7 @@ mod blame;
 mod classify;
 mod climb;
 mod condition;
+mod deadline;
 mod drivers;
 mod find;
 mod generate;
@@ -22,6 +23,8 @@ mod semantic;
 mod shrink;
 pub mod words;
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -47,6 +50,7 @@ use crate::run::reader::Reader;
 use crate::source::Source;
 use crate::{Diagnostic, Options, Severity};
 use climb::{Climbs, Whose};
+use deadline::Deadline;
 use drivers::Drivers;
 use generate::Generator;
 use random::Random;
@@ -65,6 +69,8 @@ pub struct Request {
     pub samples: u64,
     /// Time for sampling; what is found is looked at in half as much again.
     pub time: Option<Duration>,
+    /// Set by anybody, it ends with what it has: the report says so.
+    pub stop: Arc<AtomicBool>,
     /// Threads; 0 for as many as there are.
     pub threads: usize,
     /// Errors from which on a finding is made, in steps of 1/255 of full scale.
@@ -85,6 +91,7 @@ impl Default for Request {
             seed: 1,
             samples: 100_000,
             time: Some(Duration::from_secs(8)),
+            stop: Arc::default(),
             threads: 0,
             steps: 0.5,
             ulp: None,
@@ -94,7 +101,10 @@ impl Default for Request {
     }
 }
 
-/// Stresses a function; `progress` is told how many samples ran, and says whether to go on.
+/// What is found when it is told to stop is still looked at, for so long.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// Stresses a function; `progress` is told how many samples ran.
 ///
 /// The evaluator runs every sample in `f32` and `f64`, and each driver among the readers runs it
 /// too and is held against that `f64`. A driver that fails is left out from there on, and the
@@ -108,7 +118,7 @@ pub fn stress(
     options: &Options,
     request: &Request,
     readers: &mut [Box<dyn Reader>],
-    progress: &(dyn Fn(u64) -> bool + Sync),
+    progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Report, Box<Refusal>> {
     let began = Instant::now();
     let pure = Pure::new(source, options, &request.pure)?;
@@ -128,7 +138,7 @@ pub fn stress(
     };
     let plan = Plan {
         samples: request.samples,
-        until: request.time.and_then(|time| began.checked_add(time)),
+        until: Deadline::after(request.time, &request.stop),
         threads,
         steps: request.steps,
         ulp: request.ulp.unwrap_or(f64::INFINITY),
@@ -144,8 +154,8 @@ pub fn stress(
     let sampling = started.elapsed();
     let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
     let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
-    let until = Instant::now() + more;
-    let after = Plan { until: Some(until), ..plan.clone() };
+    let until = Deadline::after(Some(more), &request.stop).with_grace(GRACE);
+    let after = Plan { until: until.clone(), ..plan.clone() };
     let mut climbs = Climbs { tally: Tally::default(), drivers: &mut drivers };
     let endless: Vec<Sample> = sampled
         .exemplars
@@ -153,12 +163,12 @@ pub fn stress(
         .filter(|((_, why), _)| *why == sample::Why::Endless)
         .map(|(_, kept)| kept.sample.clone())
         .collect();
-    let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
-    let worst = worst(&pure, &generator, &climbing, &sampled, &mut climbs);
-    let climbing = Plan { until: Some(Instant::now() + more / 4), ..plan.clone() };
-    worst_on_drivers(&pure, &generator, &climbing, &mut climbs);
+    let climbing =
+        || Plan { until: until.sooner(until.left().unwrap_or(more) / 4), ..plan.clone() };
+    let worst = worst(&pure, &generator, &climbing(), &sampled, &mut climbs);
+    worst_on_drivers(&pure, &generator, &climbing(), &mut climbs);
     let exemplars = std::mem::take(&mut sampled.exemplars);
-    let mut raws = find::findings(&pure, &generator, &after, exemplars, until, &mut climbs);
+    let mut raws = find::findings(&pure, &generator, &after, exemplars, &mut climbs);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
     if let Some((_, tally)) =
         sampled.families.iter_mut().find(|(family, _)| *family == Family::Climbed)
@@ -167,7 +177,7 @@ pub fn stress(
     }
     drivers.flush();
     // What is written up is run again, each a sample, whatever the time is.
-    let writing = Plan { until: None, ..plan.clone() };
+    let writing = Plan { until: Deadline::default(), ..plan.clone() };
     Ok(report::report(report::Made {
         source,
         request,
@@ -181,7 +191,7 @@ pub fn stress(
         worst,
         drivers,
         endless,
-        stopped: sampled.stopped,
+        stopped: sampled.stopped || until.is_stopped(),
         rate: ran as f64 / sampling.as_secs_f64().max(1.0e-9),
         threads,
         seconds: began.elapsed().as_secs_f64(),

@@ -5,13 +5,13 @@
 //! [`drivers`](super::drivers), which the calling thread owns.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
-use std::time::Instant;
 
 use rustc_hash::FxHashMap;
 
 pub(super) use super::super::inputs::columns;
+use super::deadline::Deadline;
 use super::drivers::{Batch, Drivers};
 use super::generate::{Chunk, Family, Generator, TAG_BITS};
 use super::input::Sample;
@@ -103,7 +103,7 @@ const KEPT: usize = 6000;
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub samples: u64,
-    pub until: Option<Instant>,
+    pub until: Deadline,
     pub threads: usize,
     /// Errors from which on a sample is kept.
     pub steps: f64,
@@ -151,8 +151,8 @@ pub(super) fn top<T>(
     tops.truncate(TOPS);
 }
 
-/// Says how far it is, and is told whether to go on.
-pub(super) type Progress<'p> = &'p (dyn Fn(u64) -> bool + Sync);
+/// Says how far it is.
+pub(super) type Progress<'p> = &'p (dyn Fn(u64) + Sync);
 
 /// Runs samples until there are enough, the time is up, or somebody says stop.
 pub(super) fn run(
@@ -165,12 +165,10 @@ pub(super) fn run(
     // The next chunk, and the samples of those before it: the same for any number of threads.
     let claimed = Mutex::new((0usize, 0u64));
     let done = AtomicU64::new(0);
-    let stop = AtomicBool::new(false);
     let work = |to: Option<SyncSender<Batch>>| -> Result<Sampled, Failure> {
         let mut mine = Worker::new(pure, plan, to);
         loop {
-            let late = plan.until.is_some_and(|until| Instant::now() >= until);
-            if late || stop.load(Ordering::Relaxed) {
+            if plan.until.is_over() {
                 mine.sampled.stopped |= done.load(Ordering::Relaxed) < plan.samples;
                 break;
             }
@@ -188,9 +186,7 @@ pub(super) fn run(
             let lanes = chunk.samples.len() as u64;
             mine.run(number, &chunk)?;
             let all = done.fetch_add(lanes.max(1), Ordering::Relaxed) + lanes;
-            if !progress(all) {
-                stop.store(true, Ordering::Relaxed);
-            }
+            progress(all);
         }
         Ok(mine.finish())
     };
@@ -289,7 +285,7 @@ impl<'a> Worker<'a> {
                 Ok(())
             }
             Err(failure) if failure.kind == FailureKind::TimedOut => {
-                if self.plan.until.is_some_and(|until| Instant::now() >= until) {
+                if self.plan.until.is_over() {
                     self.sampled.stopped = true;
                     return Ok(());
                 }
@@ -407,7 +403,7 @@ pub(super) fn settings(plan: &Plan, watch: bool) -> Settings {
         precision: Precision::Both,
         watch,
         budget: plan.budget,
-        deadline: plan.until,
+        deadline: plan.until.end(),
         threads: 1,
         ..Settings::default()
     }

@@ -2,8 +2,7 @@
 //!
 //! Feeds [`find`](super::find).
 
-use std::time::Instant;
-
+use super::deadline::Deadline;
 use super::domain::Domain;
 use super::input::{Input, Sample, float};
 
@@ -15,13 +14,13 @@ pub(super) fn shrink(
     sample: &Sample,
     inputs: &[Input],
     domain: &Domain,
-    until: Instant,
+    until: &Deadline,
     mut breaks: impl FnMut(&Sample) -> bool,
 ) -> Sample {
     let mut best = sample.clone();
     let mut trials = 0;
     let mut attempt = |best: &mut Sample, next: Sample| -> bool {
-        if trials >= TRIALS || Instant::now() >= until || !domain.holds(&next, inputs) {
+        if trials >= TRIALS || until.is_over() || !domain.holds(&next, inputs) {
             return false;
         }
         trials += 1;

@@ -1,7 +1,8 @@
 //! The command line: arguments in, one command run, an exit code out.
 //!
 //! 0 is clean, 1 is findings, 2 is "could not": wrong usage, a file that cannot be read or
-//! written, an error in a shader. Products go to stdout, findings to stderr.
+//! written, an error in a shader; 130 is a command that was interrupted and printed what it had.
+//! Products go to stdout, findings to stderr.
 
 mod args;
 mod bench;
@@ -15,6 +16,7 @@ mod emit;
 mod encode;
 mod explain;
 mod inputs;
+mod interrupt;
 mod layout;
 mod lights;
 mod lock;

@@ -18,6 +18,8 @@ pub enum Outcome {
     /// Something to look at: a generated file that is stale, bytes that look wrong.
     Findings,
     CouldNot,
+    /// Somebody said stop; what there was by then is printed.
+    Interrupted,
 }
 
 impl From<Outcome> for ExitCode {
@@ -26,6 +28,8 @@ impl From<Outcome> for ExitCode {
             Outcome::Clean => ExitCode::SUCCESS,
             Outcome::Findings => ExitCode::from(1),
             Outcome::CouldNot => ExitCode::from(2),
+            // 128 and the number of SIGINT, as of a command that does not listen.
+            Outcome::Interrupted => ExitCode::from(130),
         }
     }
 }

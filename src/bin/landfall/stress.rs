@@ -1,7 +1,8 @@
 //! `landfall stress`: where a function breaks, how wrong it gets, and why.
 
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use landfall::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
@@ -15,7 +16,7 @@ use landfall::{Diagnostic, Error};
 use crate::args::{ReaderName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::run::textures;
-use crate::{data, read, readers};
+use crate::{data, interrupt, read, readers};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
@@ -24,7 +25,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let style = streams.style(form);
     let made = (|| Ok((read::source(&args.file, &args.read)?, request(args)?)))();
-    let (source, request) = match made {
+    let (source, mut request) = match made {
         Ok(made) => made,
         Err(error) => {
             let error: Error = error;
@@ -34,20 +35,21 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let began = Instant::now();
-    let shows = streams.shows_progress();
+    let stop = interrupt::watched();
+    request.stop = Arc::clone(&stop);
+    let shows = streams.shows_progress_first();
     let shown = Mutex::new(Instant::now());
+    let all = request.samples;
     let progress = |samples: u64| {
         if shows {
             if let Ok(mut last) = shown.try_lock() {
                 if last.elapsed().as_millis() > 200 {
                     *last = Instant::now();
                     let seconds = began.elapsed().as_secs_f64();
-                    let all = request.samples;
                     eprint!("\r{samples} of {all} samples, {seconds:.1} s\x1b[K");
                 }
             }
         }
-        true
     };
     let options = read::options(&args.read);
     let (mut readers, missing) = open(args);
@@ -64,7 +66,10 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let absent = !missing.is_empty();
     report.readers.extend(missing);
-    if let (Some(file), Some(x), Some(y)) = (&args.map, &args.map_x, &args.map_y) {
+    let is_stopped = || stop.load(Ordering::Relaxed);
+    if let (Some(file), Some(x), Some(y), false) =
+        (&args.map, &args.map_x, &args.map_y, is_stopped())
+    {
         let map = MapRequest { x: x.clone(), y: y.clone(), ..MapRequest::default() };
         match error_map(&source, &options, &request, &report, &map) {
             Ok(svg) => {
@@ -89,6 +94,9 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let found = Error::new(reader.reader, format!("{what}: {why}"))
             .with_help("`landfall devices` lists what is here");
         streams.report(&style.text(&[found.into()], &Files::default()));
+    }
+    if is_stopped() {
+        return Ok(Outcome::Interrupted);
     }
     // Somebody asked for numbers that are not there.
     let none_ran = !report.readers.is_empty() && !report.readers.iter().any(ReaderReport::ran);

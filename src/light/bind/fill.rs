@@ -1,18 +1,23 @@
 //! The bytes of a shader's blocks, its textures and inputs, by a binding map.
 //!
 //! Reads an [`Upload`] and fragments; [`render`](crate::light::render) hands what it makes to
-//! [`fragments`](crate::run::fragments).
+//! [`fragments`](crate::run::fragments). `write` says where in a block a member is, `given` what
+//! it is given, `varying` are textures and inputs.
 
-use glam::DVec3;
+mod given;
+mod mark;
+mod varying;
+mod write;
 
-use super::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
-use super::{BindError, BindingMap, Member, Source};
+use super::quantity::{Kind, MaterialPart, Quantity};
+use super::{BindError, BindingMap, Source};
 use crate::buffer::Buffer;
-use crate::layout::Leaf;
-use crate::light::scene::{Cone, Emission, Lights, Material, PointLight, Surface};
-use crate::light::{Fragment, Upload, sample};
-use crate::run::fragments::{FragmentShader, Image};
-use crate::shape::{ArrayLen, ScalarKind, Type};
+use crate::light::Upload;
+use crate::light::scene::{Lights, Material, Surface};
+use crate::run::fragments::FragmentShader;
+use crate::shape::ScalarKind;
+use given::{Given, Number, chosen, surface};
+use write::{Len, Write, slots, write};
 
 /// The lights a list of fragments is lit by: their numbers in the upload, in the order of the
 /// sum.
@@ -54,7 +59,7 @@ pub enum Excess {
 /// A binding map made ready to write many uploads.
 #[derive(Clone, Debug)]
 pub struct Filler {
-    pub(super) writes: Vec<Write>,
+    writes: Vec<Write>,
     /// Of each block, zeros; of one that ends in a runtime-sized array, none.
     blocks: Vec<Vec<u8>>,
     layouts: Vec<crate::BlockLayout>,
@@ -65,54 +70,6 @@ pub struct Filler {
     /// Whether some texture carries the diffuse, or the specular, colour.
     textured: [bool; 3],
     rows_from_bottom: bool,
-}
-
-/// A leaf and what it is given.
-#[derive(Clone, Debug)]
-pub(super) struct Write {
-    key: String,
-    pub block: usize,
-    pub offset: usize,
-    /// Of the one array on the way.
-    pub stride: usize,
-    pub len: Len,
-    pub kind: ScalarKind,
-    pub rows: usize,
-    pub source: Source,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Len {
-    One,
-    Fixed(usize),
-    Runtime,
-}
-
-/// A number or vector, and the fourth component where the shader has one more.
-#[derive(Clone, Copy)]
-struct Number {
-    values: [f64; 4],
-    count: usize,
-}
-
-impl Number {
-    fn one(value: f64) -> Number {
-        Number { values: [value, value, value, value], count: 1 }
-    }
-
-    fn vector(value: DVec3, fourth: f64) -> Number {
-        Number { values: [value.x, value.y, value.z, fourth], count: 3 }
-    }
-
-    /// As a leaf of so many components takes it.
-    fn components(&self, rows: usize) -> [f64; 4] {
-        let [x, y, z, _] = self.values;
-        match (self.count, rows) {
-            // One number for a colour of three: the brightest channel.
-            (3, 1) => [x.max(y).max(z); 4],
-            _ => self.values,
-        }
-    }
 }
 
 impl Filler {
@@ -278,91 +235,6 @@ impl Filler {
         }
     }
 
-    /// The textures for fragments of one material.
-    pub fn textures(&self, material: &Material) -> Vec<Image> {
-        let each = self.textures.iter().map(|source| match source {
-            Source::Scene { quantity: Quantity::Material(part), .. } => {
-                self.texture(material, *part)
-            }
-            Source::Number(numbers) => {
-                let channel = |at: usize| numbers.get(at).or(numbers.last()).copied();
-                let alpha = if numbers.len() == 4 { numbers[3] } else { 1.0 };
-                let rgb = [0, 1, 2].map(|at| channel(at).unwrap_or(0.0));
-                plain([rgb[0], rgb[1], rgb[2], alpha].map(|c| c as f32))
-            }
-            Source::Scene { .. } | Source::Unknown => plain([0.0, 0.0, 0.0, 1.0]),
-        });
-        each.collect()
-    }
-
-    fn texture(&self, material: &Material, part: MaterialPart) -> Image {
-        let Some(surface) = surface(material, part) else { return plain([0.0; 4]) };
-        match surface {
-            Surface::Texture(texture) => {
-                let color = |texel: &[u8; 3]| {
-                    let [r, g, b] = sample::color(*texel, texture.srgb).as_vec3().to_array();
-                    [r, g, b, 1.0]
-                };
-                let texels = texture.texels.iter().map(color).collect();
-                Image { width: texture.width, height: texture.height, texels }
-            }
-            // The colour is in a member, and this is multiplied with it.
-            Surface::Constant(_) if self.colours(part) => plain([1.0; 4]),
-            Surface::Constant(color) => {
-                let [r, g, b] = color.as_vec3().to_array();
-                plain([r, g, b, 1.0])
-            }
-        }
-    }
-
-    /// Whether a member of the shader holds that colour.
-    fn colours(&self, part: MaterialPart) -> bool {
-        let wanted = Some(Quantity::Material(part));
-        self.writes.iter().any(|write| write.source.quantity() == wanted)
-    }
-
-    /// The values of each input for fragments.
-    pub fn inputs<'f>(
-        &self,
-        fragments: impl Iterator<Item = &'f Fragment> + Clone,
-        size: [u32; 2],
-    ) -> Vec<Vec<[f32; 4]>> {
-        let [width, height] = size.map(|n| n.max(1));
-        let each = self.inputs.iter().map(|source| -> Vec<[f32; 4]> {
-            let value = |fragment: &Fragment| -> [f32; 4] {
-                let quantity = match source {
-                    Source::Scene { quantity, .. } => quantity,
-                    Source::Number(numbers) => {
-                        let at = |at: usize| numbers.get(at).copied().unwrap_or(0.0) as f32;
-                        return [at(0), at(1), at(2), at(3)];
-                    }
-                    Source::Unknown => return [0.0; 4],
-                };
-                let ([x, y, z], [nx, ny, nz]) = (fragment.position, fragment.normal);
-                match quantity {
-                    Quantity::Position => [x, y, z, 1.0],
-                    Quantity::Normal => [nx, ny, nz, 0.0],
-                    Quantity::Uv => [fragment.uv[0], fragment.uv[1], 0.0, 0.0],
-                    Quantity::Pixel => {
-                        let (column, row) = (fragment.pixel % width, fragment.pixel / width);
-                        let row = if self.rows_from_bottom { height - 1 - row } else { row };
-                        [column as f32 + 0.5, row as f32 + 0.5, 0.0, 1.0]
-                    }
-                    Quantity::Camera
-                    | Quantity::Ambient(_)
-                    | Quantity::Light { .. }
-                    | Quantity::Count(_)
-                    | Quantity::Material(_)
-                    | Quantity::Tiles(_) => [0.0; 4],
-                }
-            };
-            let negated = matches!(source, Source::Scene { negated: true, .. });
-            let signed = |v: [f32; 4]| if negated { v.map(|c| -c) } else { v };
-            fragments.clone().map(|fragment| signed(value(fragment))).collect()
-        });
-        each.collect()
-    }
-
     /// What of a material a member cannot be given as it is.
     pub fn notes(&self, material: &Material) -> Vec<String> {
         let mut notes = Vec::new();
@@ -388,276 +260,5 @@ impl Filler {
             MaterialPart::Specular => self.textured[2],
             MaterialPart::Shininess | MaterialPart::Reflectance => false,
         }
-    }
-}
-
-fn write(member: &Member, block: &crate::BlockLayout) -> Result<Write, BindError> {
-    let key = member.key();
-    let misfit = |why: String| BindError::Misfit { key: key.clone(), why };
-    let (leaf, index) = leaf(&block.leaves, &member.path)
-        .ok_or_else(|| misfit("is not in the block it is said to be in".to_string()))?;
-    let (scalar, rows) = match &leaf.ty {
-        Type::Scalar(scalar) | Type::Atomic(scalar) => (*scalar, 1),
-        Type::Vector { scalar, rows } => (*scalar, usize::from(*rows)),
-        Type::Matrix { .. } | Type::Address(_) | Type::Struct(_) | Type::Array { .. } => {
-            return Err(misfit("is no scalar or vector".to_string()));
-        }
-    };
-    if scalar.width != 4 {
-        return Err(misfit(format!("is of {}-bit numbers, not of 32", scalar.width * 8)));
-    }
-    let offset = leaf.offset.unwrap_or(0) as usize;
-    let (len, stride) = match (&leaf.dims[..], index) {
-        ([], _) => (Len::One, 0),
-        ([ArrayLen::Fixed(len)], None) => (Len::Fixed(*len as usize), leaf.strides[0] as usize),
-        ([ArrayLen::Runtime], None) => (Len::Runtime, leaf.strides[0] as usize),
-        ([ArrayLen::Fixed(len)], Some(index)) if index < *len as usize => (Len::One, 0),
-        ([_], Some(_)) => return Err(misfit("is past the end of its array".to_string())),
-        _ => return Err(misfit("is in arrays of arrays, or of a length nobody knows".to_string())),
-    };
-    let offset = offset + index.map_or(0, |index| index * leaf.strides[0] as usize);
-    let each = member.source.quantity().is_some_and(Quantity::is_each);
-    if each && len == Len::One {
-        let why = format!("is one and no array, and `{}` is one for each element", member.source);
-        return Err(misfit(why));
-    }
-    let (kind, source) = (scalar.kind, member.source.clone());
-    Ok(Write { key, block: member.block, offset, stride, len, kind, rows, source })
-}
-
-/// The leaf of a path, and the index where it names one element of an array.
-fn leaf<'l>(leaves: &'l [Leaf], path: &str) -> Option<(&'l Leaf, Option<usize>)> {
-    if let Some(leaf) = leaves.iter().find(|leaf| leaf.path == path) {
-        return Some((leaf, None));
-    }
-    let (before, rest) = path.split_once('[')?;
-    let (index, after) = rest.split_once(']')?;
-    let pattern = format!("{before}[]{after}");
-    let leaf = leaves.iter().find(|leaf| leaf.path == pattern && leaf.dims.len() == 1)?;
-    Some((leaf, Some(index.parse().ok()?)))
-}
-
-/// How many lights of a kind there is room for.
-fn slots(writes: &[Write], kind: Kind) -> (usize, Option<String>) {
-    let mut fewest: Option<(usize, String)> = None;
-    let mut singles = 0usize;
-    for write in writes {
-        let Some(Quantity::Light { kind: of, slot, .. }) = write.source.quantity() else {
-            continue;
-        };
-        if of != kind {
-            continue;
-        }
-        let slots = match (slot, write.len) {
-            (Slot::One(number), _) => {
-                singles = singles.max(number as usize + 1);
-                continue;
-            }
-            (Slot::Each, Len::Fixed(len)) => len,
-            (Slot::Each, Len::Runtime) => usize::MAX,
-            (Slot::Each, Len::One) => continue,
-        };
-        if fewest.as_ref().is_none_or(|(known, _)| slots < *known) {
-            fewest = Some((slots, write.key.clone()));
-        }
-    }
-    match fewest {
-        Some((slots, member)) => (slots, Some(member)),
-        None => (singles, None),
-    }
-}
-
-fn chosen<'l>(lit: &Lit<'l>, kind: Kind) -> &'l [u32] {
-    match kind {
-        Kind::Directional => lit.directional,
-        Kind::Point => lit.point,
-        Kind::Spot => lit.spot,
-    }
-}
-
-fn surface(material: &Material, part: MaterialPart) -> Option<&Surface> {
-    match part {
-        MaterialPart::Ambient => Some(&material.ambient),
-        MaterialPart::Diffuse => Some(&material.diffuse),
-        MaterialPart::Specular => Some(&material.specular),
-        MaterialPart::Shininess | MaterialPart::Reflectance => None,
-    }
-}
-
-fn plain(texel: [f32; 4]) -> Image {
-    Image { width: 1, height: 1, texels: vec![texel] }
-}
-
-/// Everything a member may be given.
-struct Given<'a> {
-    upload: &'a Upload,
-    lit: &'a Lit<'a>,
-    material: &'a Material,
-    tiles: &'a Tiles<'a>,
-}
-
-/// Where a light ends that does not: far enough that a window is 1 at any distance.
-const ENDLESS: f64 = 1e18;
-
-impl Given<'_> {
-    /// How many elements of a quantity there are.
-    fn count(&self, quantity: Quantity) -> usize {
-        match quantity {
-            Quantity::Light { kind, .. } => chosen(self.lit, kind).len(),
-            Quantity::Tiles(TilePart::First | TilePart::Count) => self.tiles.tiles.len(),
-            Quantity::Tiles(TilePart::Index) => self.tiles.indices.len(),
-            Quantity::Tiles(TilePart::Size | TilePart::Columns)
-            | Quantity::Camera
-            | Quantity::Ambient(_)
-            | Quantity::Count(_)
-            | Quantity::Material(_)
-            | Quantity::Position
-            | Quantity::Normal
-            | Quantity::Uv
-            | Quantity::Pixel => 1,
-        }
-    }
-
-    fn number(&self, quantity: Quantity, index: usize, textured: &[bool; 3]) -> Number {
-        let nothing = Number::one(0.0);
-        match quantity {
-            Quantity::Camera => Number::vector(self.upload.camera, 1.0),
-            Quantity::Ambient(part) => {
-                let ambient = self.upload.lights.ambient.filter(|_| self.lit.ambient);
-                let Some(ambient) = ambient else { return nothing };
-                match part {
-                    LightPart::Intensity => Number::one(ambient.intensity),
-                    LightPart::Radiance => Number::vector(ambient.color * ambient.intensity, 1.0),
-                    _ => Number::vector(ambient.color, 1.0),
-                }
-            }
-            Quantity::Light { kind, slot, part } => {
-                let at = match slot {
-                    Slot::Each => index,
-                    Slot::One(number) => number as usize,
-                };
-                match chosen(self.lit, kind).get(at) {
-                    Some(number) => self.light(kind, *number as usize, part),
-                    None => nothing,
-                }
-            }
-            Quantity::Count(kind) => Number::one(chosen(self.lit, kind).len() as f64),
-            Quantity::Material(part) => self.of_material(part, textured),
-            Quantity::Tiles(part) => Number::one(f64::from(match part {
-                TilePart::Size => self.tiles.size,
-                TilePart::Columns => self.tiles.columns,
-                TilePart::First => self.tiles.tiles.get(index).map_or(0, |tile| tile[0]),
-                TilePart::Count => self.tiles.tiles.get(index).map_or(0, |tile| tile[1]),
-                TilePart::Index => self.tiles.indices.get(index).copied().unwrap_or(0),
-            })),
-            Quantity::Position | Quantity::Normal | Quantity::Uv | Quantity::Pixel => nothing,
-        }
-    }
-
-    fn light(&self, kind: Kind, number: usize, part: LightPart) -> Number {
-        let lights = &self.upload.lights;
-        let found = match kind {
-            Kind::Directional => lights.directional.get(number).and_then(|light| {
-                of_emission(&light.emission, part).or(match part {
-                    LightPart::Direction => Some(Number::vector(light.direction, 0.0)),
-                    _ => None,
-                })
-            }),
-            Kind::Point => lights.point.get(number).and_then(|light| of_lamp(light, part)),
-            Kind::Spot => lights.spot.get(number).and_then(|light| {
-                let own = match part {
-                    LightPart::Direction => Some(Number::vector(light.direction, 0.0)),
-                    _ => of_cone(&light.cone, part),
-                };
-                own.or_else(|| of_lamp(&light.lamp, part))
-            }),
-        };
-        found.unwrap_or(Number::one(0.0))
-    }
-
-    fn of_material(&self, part: MaterialPart, textured: &[bool; 3]) -> Number {
-        let Material { diffuse, shininess, reflectance, .. } = self.material;
-        let white = Number::vector(DVec3::ONE, 1.0);
-        let color = |surface: &Surface| match surface {
-            Surface::Constant(color) => Number::vector(*color, 1.0),
-            Surface::Texture(texture) => {
-                let sum: DVec3 =
-                    texture.texels.iter().map(|t| sample::color(*t, texture.srgb)).sum();
-                Number::vector(sum / texture.texels.len().max(1) as f64, 1.0)
-            }
-        };
-        let [ambient, by_diffuse, specular] = *textured;
-        match part {
-            MaterialPart::Shininess => Number::one(*shininess),
-            MaterialPart::Reflectance => Number::one(*reflectance),
-            MaterialPart::Diffuse | MaterialPart::Ambient | MaterialPart::Specular => {
-                let surface = surface(self.material, part).unwrap_or(diffuse);
-                let is_texture = matches!(surface, Surface::Texture(_));
-                let carried = match part {
-                    MaterialPart::Diffuse => by_diffuse,
-                    MaterialPart::Specular => specular,
-                    // The diffuse texture is multiplied with it where there is no other.
-                    MaterialPart::Ambient => ambient || (by_diffuse && surface == diffuse),
-                    MaterialPart::Shininess | MaterialPart::Reflectance => false,
-                };
-                if is_texture && carried { white } else { color(surface) }
-            }
-        }
-    }
-}
-
-fn of_emission(emission: &Emission, part: LightPart) -> Option<Number> {
-    let Emission { ambient, diffuse, specular, color, intensity } = *emission;
-    let color_of = |color| Some(Number::vector(color, 1.0));
-    match part {
-        LightPart::Color => color_of(color),
-        LightPart::Radiance => color_of(color * intensity),
-        LightPart::Ambient => color_of(ambient),
-        LightPart::Diffuse => color_of(diffuse),
-        LightPart::Specular => color_of(specular),
-        LightPart::Intensity => Some(Number::one(intensity)),
-        LightPart::Enabled => Some(Number::one(1.0)),
-        LightPart::Position
-        | LightPart::Direction
-        | LightPart::Constant
-        | LightPart::Linear
-        | LightPart::Quadratic
-        | LightPart::Attenuation
-        | LightPart::Range
-        | LightPart::InnerCos
-        | LightPart::OuterCos
-        | LightPart::InnerDegrees
-        | LightPart::OuterDegrees
-        | LightPart::InnerRadians
-        | LightPart::OuterRadians => None,
-    }
-}
-
-fn of_lamp(lamp: &PointLight, part: LightPart) -> Option<Number> {
-    let weakening = lamp.attenuation;
-    let (c, l, q) = (weakening.constant, weakening.linear, weakening.quadratic);
-    match part {
-        LightPart::Position => Some(Number::vector(lamp.position, 1.0)),
-        LightPart::Constant => Some(Number::one(c)),
-        LightPart::Linear => Some(Number::one(l)),
-        LightPart::Quadratic => Some(Number::one(q)),
-        LightPart::Attenuation => Some(Number::vector(DVec3::new(c, l, q), 0.0)),
-        LightPart::Range => Some(Number::one(weakening.range.unwrap_or(ENDLESS))),
-        _ => of_emission(&lamp.emission, part),
-    }
-}
-
-fn of_cone(cone: &Cone, part: LightPart) -> Option<Number> {
-    let degrees = |at: usize, cos: f64| cone.degrees.map_or(cos.acos().to_degrees(), |d| d[at]);
-    let inner = || degrees(0, cone.inner_cos);
-    let outer = || degrees(1, cone.outer_cos);
-    match part {
-        LightPart::InnerCos => Some(Number::one(cone.inner_cos)),
-        LightPart::OuterCos => Some(Number::one(cone.outer_cos)),
-        LightPart::InnerDegrees => Some(Number::one(inner())),
-        LightPart::OuterDegrees => Some(Number::one(outer())),
-        LightPart::InnerRadians => Some(Number::one(inner().to_radians())),
-        LightPart::OuterRadians => Some(Number::one(outer().to_radians())),
-        _ => None,
     }
 }

@@ -7,7 +7,6 @@
 
 mod fill;
 mod guess;
-mod mark;
 pub mod quantity;
 mod read;
 
@@ -186,6 +185,20 @@ impl BindError {
             BindError::UnknownTarget { .. } => "unknown-member",
             BindError::UnknownQuantity { .. } => "unknown-quantity",
             BindError::Misfit { .. } => "wrong-type",
+        }
+    }
+
+    /// Where in the scene it is, as [`Reading::place`](crate::light::scene::Reading::place) takes
+    /// it: the first light without a slot, or the entry of the binding.
+    pub fn at(&self) -> Option<String> {
+        match self {
+            BindError::NoLights { .. } => None,
+            BindError::TooManyLights { kind, slots, .. } => {
+                Some(format!("lights.{}[{slots}]", kind.name()))
+            }
+            BindError::UnknownTarget { key, .. }
+            | BindError::UnknownQuantity { key, .. }
+            | BindError::Misfit { key, .. } => Some(format!("bind.{key}")),
         }
     }
 

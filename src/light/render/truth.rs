@@ -115,6 +115,10 @@ fn kin(model: &Model) -> Vec<Model> {
         all.extend(changed);
     };
     also(&|m| m.specular_gate = SpecularGate::Facing);
+    // A member for the range does not say that light sinks to nothing there.
+    if model.window == Window::Quartic {
+        also(&|m| m.window = Window::None);
+    }
     match model.family {
         Family::Multi => {}
         Family::Array => also(&|m| {
@@ -130,7 +134,8 @@ fn kin(model: &Model) -> Vec<Model> {
     all
 }
 
-/// The family of models that a shader with these members is likely to compute.
+/// The family of models that a shader with these members is likely to compute. Members alone say
+/// neither how a range ends the light nor what gates a highlight: [`nearest`] asks a picture.
 pub fn likely(map: &BindingMap) -> Model {
     let has = |wanted: &dyn Fn(Quantity) -> bool| {
         map.members.iter().any(|member| member.source.quantity().is_some_and(wanted))

@@ -10,7 +10,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::fit::{View, fit};
 use super::types::{Laid, LaidField};
 use crate::layout::MemberLayout;
-use crate::lint::walk::{bytes, first_few};
+use crate::lint::show::bytes;
+use crate::lint::walk::first_few;
 use crate::shape::Rules;
 use crate::source::{Language, Span};
 

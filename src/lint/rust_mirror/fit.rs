@@ -335,5 +335,5 @@ fn rust_name(scalar: Scalar) -> &'static str {
 }
 
 fn bytes_of(n: u64) -> String {
-    crate::lint::walk::bytes(n)
+    crate::lint::show::bytes(n)
 }

@@ -1,6 +1,8 @@
 //! Members of structures and blocks, and loose uniforms: names, types, array
 //! dimensions, layout qualifiers, comments.
 
+mod resolve;
+
 use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
@@ -8,31 +10,13 @@ use rustc_hash::FxHashSet;
 use super::declarations::{Declarator, Dim, Named, Reader};
 use super::lexer::{Kind, Token};
 use super::qualifiers::Qualifiers;
-use super::types::{Builtin, builtin};
 use crate::diagnostic::Diagnostic;
-use crate::parse::nearest;
 use crate::shape::{ArrayLen, DEEPEST_NESTING, Majorness, Member, Struct, Type, Written};
 use crate::source::Span;
+pub(super) use resolve::{Resolved, TypeName};
 
 /// Structures may be declared inside each other this deep; the language forbids it altogether.
 const DEEPEST_STRUCTURE: u32 = 16;
-
-/// How a declaration says its type.
-#[derive(Clone, Debug)]
-pub(super) enum TypeName<'a> {
-    /// By name.
-    Name(Token<'a>),
-    /// As a structure declared on the spot.
-    Declared(Named<'a>),
-}
-
-/// What a type name comes to.
-pub(super) enum Resolved {
-    Data(Type),
-    Opaque,
-    /// Said already why it cannot be used.
-    Broken,
-}
 
 /// The members between two braces.
 #[derive(Default)]
@@ -343,59 +327,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What a type name means; unknown and broken ones are told into `problems`.
-    pub(super) fn resolve(
-        &mut self,
-        ty: &TypeName<'a>,
-        owner: &Token<'a>,
-        problems: &mut Vec<Diagnostic>,
-    ) -> Resolved {
-        let token = match ty {
-            TypeName::Name(token) => *token,
-            TypeName::Declared(Named::Struct(s)) => return of_struct(s),
-            TypeName::Declared(Named::Reference) => return Resolved::Broken,
-            TypeName::Declared(Named::Broken { why, .. }) => {
-                problems.extend(why.iter().cloned());
-                return Resolved::Broken;
-            }
-        };
-        match self.types.get_mut(token.text) {
-            Some(Named::Struct(s)) => return of_struct(s),
-            Some(Named::Reference) => return Resolved::Data(Type::Address(token.text.into())),
-            Some(Named::Broken { why, told, .. }) => {
-                if !*told {
-                    *told = true;
-                    problems.append(&mut why.clone());
-                } else {
-                    let message = format!("`{}` cannot be laid out, see above", token.text);
-                    problems.push(self.diagnostic(&token, "broken-type", message));
-                }
-                return Resolved::Broken;
-            }
-            None => {}
-        }
-        match builtin(token.text) {
-            Some(Builtin::Data(ty)) => return Resolved::Data(ty),
-            Some(Builtin::Opaque) => return Resolved::Opaque,
-            Some(Builtin::Void) | None => {}
-        }
-        let diagnostic = if token.text == owner.text {
-            let message = format!("structure `{}` contains itself", token.text);
-            self.diagnostic(&token, "recursive-struct", message)
-                .with_note("its size would have no end")
-        } else {
-            let message = format!("there is no type `{}`", token.text);
-            let diagnostic = self.diagnostic(&token, "unknown-type", message);
-            let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
-            match nearest(token.text, known) {
-                Some(name) => diagnostic.with_help(format!("did you mean `{name}`?")),
-                None => diagnostic.with_help("a structure is declared before it is used"),
-            }
-        };
-        problems.push(diagnostic);
-        Resolved::Broken
-    }
-
     fn opaque_in_block(
         &self,
         name: &Token<'a>,
@@ -440,14 +371,8 @@ impl<'a> Reader<'a> {
             // `uniform float a[];` takes its size from its use; it has no offset to be wrong.
             match self.array(name, data, dims, type_dims, true) {
                 Ok(ty) => self.loose.push(Member {
-                    name: name.text.into(),
-                    ty,
-                    majorness: None,
-                    offset: None,
-                    align: None,
-                    size: None,
-                    span: name.span,
                     comment: comment.clone(),
+                    ..Member::plain(name.text.into(), ty, name.span)
                 }),
                 Err(diagnostic) => problems.push(diagnostic),
             }
@@ -482,20 +407,6 @@ impl<'a> Reader<'a> {
     }
 }
 
-impl<'a> TypeName<'a> {
-    fn text(&self) -> &'a str {
-        match self {
-            TypeName::Name(token) => token.text,
-            TypeName::Declared(_) => "struct",
-        }
-    }
-}
-
-/// A structure of handles only is a handle itself.
-fn of_struct(s: &Arc<Struct>) -> Resolved {
-    if s.members.is_empty() { Resolved::Opaque } else { Resolved::Data(Type::Struct(s.clone())) }
-}
-
 /// `row_major` or `column_major`; the last one counts.
 pub(super) fn majorness(qualifiers: &Qualifiers<'_>) -> Option<Majorness> {
     qualifiers.layout.iter().rev().find_map(|id| {
@@ -508,26 +419,3 @@ pub(super) fn majorness(qualifiers: &Qualifiers<'_>) -> Option<Majorness> {
         }
     })
 }
-
-/// Types a misspelt name is compared with.
-const COMMON_TYPES: &[&str] = &[
-    "float",
-    "int",
-    "uint",
-    "bool",
-    "double",
-    "vec2",
-    "vec3",
-    "vec4",
-    "ivec2",
-    "ivec3",
-    "ivec4",
-    "uvec2",
-    "uvec3",
-    "uvec4",
-    "mat2",
-    "mat3",
-    "mat4",
-    "sampler2D",
-    "samplerCube",
-];

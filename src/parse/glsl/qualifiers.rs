@@ -106,6 +106,13 @@ pub(crate) const OTHER_STORAGE: &[&str] = &[
     "tileImageEXT",
 ];
 
+/// Whether a word may stand among the qualifiers in front of a type.
+pub(crate) fn is_qualifier(word: &str) -> bool {
+    ["const", "uniform", "buffer"].contains(&word)
+        || OTHER_STORAGE.contains(&word)
+        || SILENT.contains(&word)
+}
+
 impl<'a> Reader<'a> {
     /// Reads qualifiers as long as there are some.
     pub(super) fn qualifiers(&mut self) -> Qualifiers<'a> {

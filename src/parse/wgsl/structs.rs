@@ -112,14 +112,10 @@ fn member<'a>(
                 body.broken = true;
             }
             body.members.push(Member {
-                name: Arc::from(text),
-                ty,
-                majorness: None,
-                offset: None,
                 align: attributes.align,
                 size: attributes.size,
-                span,
                 comment,
+                ..Member::plain(Arc::from(text), ty, span)
             });
         }
         Meaning::Opaque | Meaning::Bindings(..) => {
@@ -193,16 +189,7 @@ fn nested_runtime(inner: &str, at: Span, runtime: Span) -> Diagnostic {
 
 /// naga's predeclared `RayDesc`.
 pub(super) fn ray_desc() -> Type {
-    let member = |name: &str, ty: Type| Member {
-        name: Arc::from(name),
-        ty,
-        majorness: None,
-        offset: None,
-        align: None,
-        size: None,
-        span: Span::default(),
-        comment: Vec::new(),
-    };
+    let member = |name: &str, ty: Type| Member::plain(Arc::from(name), ty, Span::default());
     let vector = Type::Vector { scalar: Scalar::F32, rows: 3 };
     let members = vec![
         member("flags", Type::Scalar(Scalar::U32)),

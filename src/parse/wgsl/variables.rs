@@ -60,16 +60,7 @@ fn made(
     let (name, instance, members) = match ty {
         Type::Struct(s) => (s.name.clone(), Some(variable), s.members.clone()),
         ty => {
-            let member = Member {
-                name: variable.clone(),
-                ty,
-                majorness: None,
-                offset: None,
-                align: None,
-                size: None,
-                span: item.name_span,
-                comment: Vec::new(),
-            };
+            let member = Member::plain(variable.clone(), ty, item.name_span);
             (variable, None, vec![member])
         }
     };

@@ -16,6 +16,7 @@ use super::bound::{self, Data};
 use super::eval::{Cpu, Invocations, Port, Program, Settings};
 use super::module::{EntryPoint, Module, ModuleBlock};
 use super::reader::{Failure, Grid, Job, Reader, Resource, StageCode};
+use super::runs::Runs;
 use super::verify;
 use crate::layout::{BlockLayout, Leaf};
 use crate::run::probe::plan::{LARGEST_BUFFER, TAIL};
@@ -143,8 +144,8 @@ fn run(
     settings: &Settings,
     limit: Duration,
 ) -> Result<Vec<Vec<bool>>, Failure> {
-    match entry.stage {
-        Stage::Compute => {
+    match Runs::of(entry.stage) {
+        Some(Runs::Compute) => {
             let mut cpu = Cpu::new(settings.clone());
             let stages = vec![StageCode {
                 stage: Stage::Compute,
@@ -157,19 +158,7 @@ fn run(
             cpu.run(&Job { stages, resources, grid: Grid::Groups([2, 1, 1]), limit })?;
             Ok(cpu.notes.read)
         }
-        Stage::Vertex
-        | Stage::Fragment
-        | Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => {
+        Some(Runs::Vertex | Runs::Fragment) | None => {
             let program = Program::new(module, &[]);
             let ports: Vec<(Port, Vec<bool>)> = program.inputs(&entry.name);
             let invocations =

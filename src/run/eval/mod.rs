@@ -14,6 +14,7 @@ mod call;
 mod code;
 mod compile;
 mod counts;
+mod drive;
 mod flatten;
 mod interface;
 mod interval;

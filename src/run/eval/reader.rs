@@ -8,14 +8,13 @@ use std::time::Instant;
 
 use super::call::Numbers;
 use super::code::LANES;
+use super::drive::Outcome;
 use super::interface::{Plug, Port};
 use super::machine::Machine;
 use super::pixels::{Triangle, row, tile};
 use super::program::{BufferSpace, Floats, Program};
 use super::real::{Real, Shadow};
-use super::stage::{
-    Invocations, Notes, Outcome, Precision, Settings, failure, mask, put, refused_for,
-};
+use super::stage::{Invocations, Notes, Precision, Settings, failure, mask, put, refused_for};
 use crate::run::Module;
 use crate::run::reader::{Answer, Device, Failure, FailureKind, Grid, Job, Reader, StageCode};
 use crate::source::{Language, Stage, kind_of_path};

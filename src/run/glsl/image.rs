@@ -70,15 +70,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn image_access(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
-        let Some((first, rest)) = arguments.split_first() else {
-            return self.refuse(format!("`{name}` is given nothing"));
-        };
-        let chosen = self.chosen(first)?;
-        let mut values = Vec::new();
-        for argument in rest {
-            values.push(self.value(argument)?);
-        }
-        self.span = e.span;
+        let (chosen, values) = self.handle_and_values(name, arguments, e)?;
         let (Chosen::At(_, Ty::Opaque(Opaque::Storage(image))), Some(at)) =
             (chosen.clone(), values.first().cloned())
         else {

@@ -16,6 +16,7 @@ use super::types::{Kind, Ty};
 use super::{Lowerer, R, reach, refuse};
 use crate::parse::glsl::lexer::Token;
 use crate::run::module::EntryInterface;
+use crate::run::runs::Runs;
 use crate::source::{Span, Stage};
 
 /// Inputs or outputs of one shader at most.
@@ -116,24 +117,12 @@ pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
 /// Refuses stages that cannot run, by name.
 pub fn check_stage(stage: Option<Stage>) -> R<()> {
     match stage {
-        None | Some(Stage::Vertex | Stage::Fragment | Stage::Compute) => Ok(()),
-        Some(
-            other @ (Stage::TessellationControl
-            | Stage::TessellationEvaluation
-            | Stage::Geometry
-            | Stage::Task
-            | Stage::Mesh
-            | Stage::RayGeneration
-            | Stage::Intersection
-            | Stage::AnyHit
-            | Stage::ClosestHit
-            | Stage::Miss
-            | Stage::Callable),
-        ) => {
+        Some(other) if Runs::of(other).is_none() => {
             let message = format!("a {} shader cannot run", other.name());
             let diagnostic = refuse(Span::default(), message);
             Err(Box::new(diagnostic.with_note("vertex, fragment and compute shaders can")))
         }
+        Some(_) | None => Ok(()),
     }
 }
 

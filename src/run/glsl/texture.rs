@@ -86,6 +86,25 @@ impl Arguments {
 }
 
 impl<'a> Body<'_, 'a> {
+    /// The handle that a call is given first, and the values of its other arguments.
+    pub(super) fn handle_and_values(
+        &mut self,
+        name: &str,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+    ) -> R<(Chosen, Vec<Val>)> {
+        let Some((first, rest)) = arguments.split_first() else {
+            return self.refuse(format!("`{name}` is given nothing"));
+        };
+        let chosen = self.chosen(first)?;
+        let mut values = Vec::new();
+        for argument in rest {
+            values.push(self.value(argument)?);
+        }
+        self.span = e.span;
+        Ok((chosen, values))
+    }
+
     /// A texture function; `None` when it is none.
     pub fn texture_call(
         &mut self,
@@ -96,15 +115,7 @@ impl<'a> Body<'_, 'a> {
         if !is_known(name) {
             return Ok(None);
         }
-        let Some((first, rest)) = arguments.split_first() else {
-            return self.refuse(format!("`{name}` is given nothing"));
-        };
-        let chosen = self.chosen(first)?;
-        let mut values = Vec::new();
-        for argument in rest {
-            values.push(self.value(argument)?);
-        }
-        self.span = e.span;
+        let (chosen, values) = self.handle_and_values(name, arguments, e)?;
         let image = match &chosen {
             Chosen::At(_, Ty::Opaque(opaque)) => opaque.clone(),
             Chosen::At(_, ty) => return self.refuse(format!("`{name}` does not take a `{ty}`")),

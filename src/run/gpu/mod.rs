@@ -9,6 +9,7 @@
 
 mod adapter;
 mod device;
+mod needs;
 mod pipeline;
 mod run;
 mod spirv;

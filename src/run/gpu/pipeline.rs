@@ -19,9 +19,10 @@ use wgpu::{
 };
 
 use super::device::Open;
-use super::spirv;
+use super::{needs, spirv};
 use crate::run::Module;
 use crate::run::reader::{Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel};
+use crate::run::runs::Runs;
 use crate::source::Stage;
 
 /// The pipelines of one device.
@@ -134,7 +135,10 @@ impl Pipelines {
         }
         let doing = format!("the {} shader", stage.name());
         let made = open.hear(&doing, || match code {
-            Code::Module(module) => Ok(of_module(open, module.ir.clone())),
+            Code::Module(module) => match needs::lacking(&module.ir, open.device.features()) {
+                Some(failure) => Err(failure),
+                None => Ok(of_module(open, module.ir.clone())),
+            },
             Code::Corners => Ok(of_module(open, corners().clone())),
             Code::Spirv(words) => {
                 let workgroup_size = spirv::workgroup_size(words)?;
@@ -246,21 +250,11 @@ fn binding(resource: &Resource) -> Option<(u32, u32, Binding)> {
 }
 
 fn visibility(stage: Stage) -> ShaderStages {
-    match stage {
-        Stage::Vertex => ShaderStages::VERTEX,
-        Stage::Fragment => ShaderStages::FRAGMENT,
-        Stage::Compute => ShaderStages::COMPUTE,
-        Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => ShaderStages::NONE,
+    match Runs::of(stage) {
+        Some(Runs::Vertex) => ShaderStages::VERTEX,
+        Some(Runs::Fragment) => ShaderStages::FRAGMENT,
+        Some(Runs::Compute) => ShaderStages::COMPUTE,
+        None => ShaderStages::NONE,
     }
 }
 

@@ -160,14 +160,8 @@ fn known(block: &BlockLayout, leaf: &Leaf, place: &Place) -> Option<String> {
 /// The block's members laid out by other rules.
 fn under(block: &BlockLayout, rules: Rules) -> Option<BlockLayout> {
     let members = block.members.iter().map(|member| Member {
-        name: member.name.clone(),
-        ty: member.ty.clone(),
         majorness: member.row_major.then_some(Majorness::Row),
-        offset: None,
-        align: None,
-        size: None,
-        span: member.span,
-        comment: Vec::new(),
+        ..Member::plain(member.name.clone(), member.ty.clone(), member.span)
     });
     lay_out(&Block {
         name: block.name.clone(),

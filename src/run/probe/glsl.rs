@@ -8,8 +8,9 @@ use std::fmt::Write as _;
 use super::plan::{Plan, Read, Way, top_member};
 use super::words;
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
+use crate::run::runs::Runs;
 use crate::shape::{Scalar, ScalarKind, Type};
-use crate::source::{Language, Source, Stage};
+use crate::source::{Language, Source};
 
 /// The storage block that holds the indices and takes the words.
 pub(crate) const RESULTS: &str = "LandfallWords";
@@ -20,7 +21,7 @@ pub(crate) fn text(
     block: &BlockLayout,
     element: &[u32],
     plan: &Plan,
-    stage: Stage,
+    stage: Runs,
 ) -> String {
     let head = Head::of(&source.text);
     let mut text = aside(source, &head);
@@ -51,39 +52,28 @@ pub(crate) fn aside(source: &Source, head: &Head) -> String {
 }
 
 /// What stands before a `main` of ours: the results' block, and a size where a workgroup has none.
-pub(crate) fn results(text: &mut String, source: &Source, stage: Stage, head: &Head) {
+pub(crate) fn results(text: &mut String, source: &Source, stage: Runs, head: &Head) {
     if head.es {
         text.push_str("precision highp float;\nprecision highp int;\n");
     }
     let precision = if head.es { "highp " } else { "" };
     let _ =
         writeln!(text, "layout(std430) buffer {RESULTS} {{ {precision}uint landfall_words[]; }};");
-    if stage == Stage::Compute && !source.text.contains("local_size_x") {
+    if stage == Runs::Compute && !source.text.contains("local_size_x") {
         text.push_str("layout(local_size_x = 1) in;\n");
     }
 }
 
 /// A `main` of that stage, which one invocation runs.
-pub(crate) fn main(text: &mut String, stage: Stage, body: &str) {
+pub(crate) fn main(text: &mut String, stage: Runs, body: &str) {
     text.push_str("void main() {\n");
     match stage {
-        Stage::Vertex => text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n"),
+        Runs::Vertex => text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n"),
         // A group of the user's size would write every word many times over.
-        Stage::Compute => {
+        Runs::Compute => {
             text.push_str("    if (gl_GlobalInvocationID != uvec3(0u)) return;\n");
         }
-        Stage::Fragment
-        | Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => {}
+        Runs::Fragment => {}
     }
     text.push_str(body);
     text.push_str("}\n");
@@ -123,7 +113,7 @@ fn append(
     block: &BlockLayout,
     element: &[u32],
     plan: &Plan,
-    stage: Stage,
+    stage: Runs,
     head: &Head,
 ) {
     results(text, source, stage, head);

@@ -9,14 +9,15 @@ use super::glsl::{Group, Kind, component, groups, is_structure, kind, path};
 use super::plan::{Plan, Read, Way};
 use super::words;
 use crate::layout::BlockLayout;
+use crate::run::runs::Runs;
 use crate::shape::{AddressSpace, ScalarKind, Type};
-use crate::source::{Language, Source, Stage};
+use crate::source::{Language, Source};
 
 /// The entry point that is added.
 pub(crate) const ENTRY: &str = "landfall_probe";
 
 /// The user's text and a probe after it.
-pub(crate) fn text(source: &Source, block: &BlockLayout, plan: &Plan, stage: Stage) -> String {
+pub(crate) fn text(source: &Source, block: &BlockLayout, plan: &Plan, stage: Runs) -> String {
     let mut text = source.text.to_string();
     let binding = free_binding(&text);
     let _ = write!(
@@ -72,37 +73,25 @@ pub(crate) fn text(source: &Source, block: &BlockLayout, plan: &Plan, stage: Sta
             }
         }
     }
-    match stage {
-        Stage::Vertex => {
-            let _ = writeln!(
-                text,
-                "@vertex fn {ENTRY}() -> @builtin(position) vec4<f32> {{\n{body}    \
-                 return vec4<f32>(0.0, 0.0, 0.0, 1.0);\n}}"
-            );
-        }
-        Stage::Fragment => {
-            let _ = writeln!(
-                text,
-                "@fragment fn {ENTRY}() -> @location(0) vec4<u32> {{\n{body}    \
-                 return vec4<u32>(0u);\n}}"
-            );
-        }
-        Stage::Compute
-        | Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => {
-            let _ = writeln!(text, "@compute @workgroup_size(1) fn {ENTRY}() {{\n{body}}}");
-        }
-    }
+    entry(&mut text, ENTRY, stage, &body);
     text
+}
+
+/// An entry point of that stage, which one invocation runs.
+pub(crate) fn entry(text: &mut String, name: &str, stage: Runs, body: &str) {
+    let _ = match stage {
+        Runs::Vertex => writeln!(
+            text,
+            "@vertex fn {name}() -> @builtin(position) vec4<f32> {{\n{body}    \
+             return vec4<f32>(0.0, 0.0, 0.0, 1.0);\n}}"
+        ),
+        Runs::Fragment => writeln!(
+            text,
+            "@fragment fn {name}() -> @location(0) vec4<u32> {{\n{body}    \
+             return vec4<u32>(0u);\n}}"
+        ),
+        Runs::Compute => writeln!(text, "@compute @workgroup_size(1) fn {name}() {{\n{body}}}"),
+    };
 }
 
 /// A binding of group 0 that no `@binding(` of the text has.

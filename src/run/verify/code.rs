@@ -13,6 +13,7 @@ use crate::run::Module;
 use crate::run::probe::plan::Plan;
 use crate::run::probe::{glsl, wgsl};
 use crate::run::reader::{Failure, FailureKind, StageCode};
+use crate::run::runs::Runs;
 use crate::shape::{AddressSpace, ArrayLen, Rules};
 use crate::source::{Language, ReadOptions, Source, Stage};
 use crate::{Diagnostic, Options, layout};
@@ -28,7 +29,7 @@ pub(super) struct Need<'a> {
     /// Which buffer of an array of blocks.
     pub element: &'a [u32],
     pub plan: &'a Plan,
-    pub stage: Stage,
+    pub stage: Runs,
     /// Whether the shader may write the block.
     pub writable: bool,
     pub options: &'a VerifyOptions,
@@ -68,41 +69,28 @@ pub(in crate::run) fn is_loose(source: &Source, block: &BlockLayout) -> bool {
     source.language == Language::Glsl && gathered
 }
 
-/// Why a probe is not for a reader, if so.
-pub(super) fn not_for(
+/// The stage a probe runs in on a reader, or why it does not.
+pub(super) fn fits(
     reader: &str,
     source: &Source,
     block: &BlockLayout,
     stage: Stage,
-) -> Option<String> {
-    match stage {
-        Stage::Vertex | Stage::Fragment | Stage::Compute => {}
-        Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => {
-            return Some(format!("probes run in no {} stage", stage.name()));
-        }
-    }
+) -> Result<Runs, String> {
+    let Some(runs) = Runs::of(stage) else {
+        return Err(format!("probes run in no {} stage", stage.name()));
+    };
     if reader != "gl" {
-        return None;
+        return Ok(runs);
     }
     match (source.language, block.space) {
-        (Language::Wgsl, _) => Some("OpenGL takes no WGSL".to_string()),
+        (Language::Wgsl, _) => Err("OpenGL takes no WGSL".to_string()),
         (Language::Glsl, AddressSpace::PushConstant) => {
-            Some("OpenGL has no push constants".to_string())
+            Err("OpenGL has no push constants".to_string())
         }
         (Language::Glsl, _) if block.rules == Rules::Scalar => {
-            Some("OpenGL has no scalar rules".to_string())
+            Err("OpenGL has no scalar rules".to_string())
         }
-        (Language::Glsl, _) => None,
+        (Language::Glsl, _) => Ok(runs),
     }
 }
 
@@ -139,25 +127,14 @@ pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
 
 fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
     let name = gl_name(&need.block.name, need.element);
-    let probe = stage_code(need.stage, "main", None, Some(without(text, "set")));
+    let probe = stage_code(need.stage.into(), "main", None, Some(without(text, "set")));
     let stages = match need.stage {
-        Stage::Vertex => vec![probe, fragment(need, source)?],
-        Stage::Fragment => {
+        Runs::Vertex => vec![probe, fragment(need, source)?],
+        Runs::Fragment => {
             let vertex = partner::vertex(source, &need.options.layout.read);
             vec![stage_code(Stage::Vertex, "main", None, Some(vertex)), probe]
         }
-        Stage::Compute
-        | Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => vec![probe],
+        Runs::Compute => vec![probe],
     };
     Ok(Code {
         stages,
@@ -228,7 +205,8 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
         ),
         Form::Original | Form::Ported | Form::Module | Form::Spirv => text,
     };
-    let source = Source { text: Arc::from(text), stage: Some(need.stage), ..need.source.clone() };
+    let source =
+        Source { text: Arc::from(text), stage: Some(need.stage.into()), ..need.source.clone() };
     let options = Options { gather: true, naga: false, ..need.options.layout.clone() };
     let made = match form {
         Form::Naga => Module::by_naga(&source, &options),
@@ -248,8 +226,8 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
         group: results.group,
         binding: results.binding,
     };
-    let mut stages = vec![stage_code(need.stage, entry, Some(Arc::new(module)), None)];
-    if need.stage == Stage::Vertex {
+    let mut stages = vec![stage_code(need.stage.into(), entry, Some(Arc::new(module)), None)];
+    if need.stage == Runs::Vertex {
         stages.push(fragment(need, need.source)?);
     }
     Ok(Code { stages, block, results, writable: need.writable })

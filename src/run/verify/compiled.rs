@@ -16,6 +16,7 @@ use crate::run::coverage::fill::{self, Filling};
 use crate::run::eval::{Port, Program};
 use crate::run::module::{EntryPoint, Module};
 use crate::run::reader::{Failure, Grid, Job, Reader, Resource, StageCode, Texel};
+use crate::run::runs::Runs;
 use crate::source::{Files, Language, Source, Stage};
 
 /// The image a fragment stage draws, and the workgroups a compute stage has.
@@ -70,9 +71,11 @@ fn compare(
         return Err("the text has no entry point `main`".to_string());
     };
     let vertex = partner(&module, &entry)?;
-    let grid = match entry.stage {
-        Stage::Compute => Grid::Groups(GROUPS),
-        _ => Grid::Image { width: SIZE, height: SIZE, texel: Texel::Float },
+    let grid = match Runs::of(entry.stage) {
+        Some(Runs::Compute) => Grid::Groups(GROUPS),
+        Some(Runs::Vertex | Runs::Fragment) | None => {
+            Grid::Image { width: SIZE, height: SIZE, texel: Texel::Float }
+        }
     };
     let module = Arc::new(module);
     let code = |words: Option<Arc<[u32]>>| StageCode {
@@ -128,10 +131,12 @@ fn resources(module: &Module, filling: Filling, source: &Source) -> Result<Vec<R
 
 /// A vertex stage that gives a fragment stage inputs, small numbers that vary over the image.
 fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, String> {
-    match entry.stage {
-        Stage::Compute => return Ok(None),
-        Stage::Fragment => {}
-        other => return Err(format!("a {} stage is not run", other.name())),
+    match Runs::of(entry.stage) {
+        Some(Runs::Compute) => return Ok(None),
+        Some(Runs::Fragment) => {}
+        Some(Runs::Vertex) | None => {
+            return Err(format!("a {} stage is not run", entry.stage.name()));
+        }
     }
     let mut fields = String::new();
     let mut values = String::new();

@@ -6,7 +6,8 @@ use std::time::Duration;
 use clap::ValueEnum;
 use landfall::Stage;
 
-use super::{ConfigArgs, ReadArgs, stage};
+use super::read::stage;
+use super::{ConfigArgs, ReadArgs};
 
 #[derive(Debug, clap::Args)]
 pub struct VerifyArgs {

@@ -2,6 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use landfall::light::bind::BindError;
 use landfall::light::reference::Model;
 use landfall::light::render::{RenderError, RenderOptions, Renderer};
 use landfall::light::scene::{Reading, read_file};
@@ -231,14 +232,15 @@ impl Asked {
             RenderError::Bind(error) => {
                 let message = error.to_string();
                 let mut found = plain(error.code(), message, error.help(), &self.path);
-                let key = match error {
-                    landfall::light::bind::BindError::UnknownTarget { key, .. }
-                    | landfall::light::bind::BindError::UnknownQuantity { key, .. }
-                    | landfall::light::bind::BindError::Misfit { key, .. } => Some(key),
-                    landfall::light::bind::BindError::NoLights { .. }
-                    | landfall::light::bind::BindError::TooManyLights { .. } => None,
-                };
-                let at = key.and_then(|key| self.reading.place(&format!("bind.{key}")));
+                let place = |path: &str| self.reading.place(path);
+                let at = error.at().and_then(|path| place(&path)).or_else(|| match error {
+                    // Lights by seed are written nowhere; how many is.
+                    BindError::TooManyLights { .. } => place("generate.lights.count"),
+                    BindError::NoLights { .. }
+                    | BindError::UnknownTarget { .. }
+                    | BindError::UnknownQuantity { .. }
+                    | BindError::Misfit { .. } => None,
+                });
                 if let Some(span) = at {
                     found.labels.push(landfall::Label { span, text: String::new() });
                 }

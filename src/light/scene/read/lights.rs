@@ -168,7 +168,24 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
             Some("give `\"constant\": 1` for a light that does not weaken".to_string());
         return None;
     }
+    if let Some(constant) = object.get("constant").filter(|_| object.keys().count() == 1) {
+        alone(walk, &constant, found.constant);
+    }
     Some(found)
+}
+
+/// What is left where three coefficients were meant and one was set three times.
+fn alone(walk: &mut Walk, at: &At<'_>, constant: f64) {
+    if constant == 1.0 {
+        return;
+    }
+    let what = format!(
+        "is {constant} and stands alone: at every distance the light is {} times as bright",
+        tidy(1.0 / constant)
+    );
+    walk.warning("lone-constant", at, what).help = Some(
+        "give `linear` and `quadratic` too; what only brightens or dims is `intensity`".to_string(),
+    );
 }
 
 /// A row of the published table. What lies between its rows is nowhere said.

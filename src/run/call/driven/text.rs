@@ -19,6 +19,7 @@ use crate::run::eval::ValueType;
 use crate::run::probe::glsl::Head;
 use crate::run::reader::{Failure, Resource, StageCode};
 use crate::run::rewrite::{Builtin, Rewritten, Wanted, rewritten};
+use crate::run::runs::Runs;
 use crate::run::verify::{access, code as texts, every, partner};
 use crate::shape::{AddressSpace, ScalarKind};
 use crate::source::{Language, Source, Stage};
@@ -53,8 +54,8 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
         glsl: Some(text),
         spirv: None,
     };
-    let mut stages = vec![part(stage, texts::without(&text, "set"))];
-    if stage == Stage::Vertex {
+    let mut stages = vec![part(stage.into(), texts::without(&text, "set"))];
+    if stage == Runs::Vertex {
         stages.push(part(Stage::Fragment, partner::fragment(&user.text).text.to_string()));
     }
     let mut resources = Vec::new();
@@ -90,25 +91,9 @@ fn refused(found: &[impl std::borrow::Borrow<Diagnostic>]) -> Failure {
 }
 
 /// The stage the text is compiled for.
-fn stage(pure: &Pure) -> Result<Stage, Failure> {
+fn stage(pure: &Pure) -> Result<Runs, Failure> {
     let entry = pure.module.entry_points().first().map(|entry| entry.stage);
-    match pure.source.stage.or(entry).unwrap_or(Stage::Compute) {
-        stage @ (Stage::Vertex | Stage::Fragment | Stage::Compute) => Ok(stage),
-        other @ (Stage::TessellationControl
-        | Stage::TessellationEvaluation
-        | Stage::Geometry
-        | Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable) => {
-            let message = format!("OpenGL runs no list of calls in a {} stage", other.name());
-            Err(Failure::refused(message, ""))
-        }
-    }
+    Runs::or_refused(pure.source.stage.or(entry).unwrap_or(Stage::Compute))
 }
 
 /// The user's text as OpenGL's compiler is to have it.
@@ -178,18 +163,18 @@ impl<'p> User<'p> {
         pure: &Pure,
         places: &Places,
         rewritten: Rewritten,
-        stage: Stage,
+        stage: Runs,
     ) -> Result<(String, Lanes), Failure> {
         let mut text = rewritten.text.clone();
-        let own = pure.module.entry_points().into_iter().find(|entry| entry.stage == stage);
+        let own = pure.module.entry_points().into_iter().find(|entry| entry.stage == stage.into());
         let size: u32 = own.map_or(1, |entry| entry.workgroup_size.iter().product());
         let sized = text.contains("local_size_x");
         let (lanes, lane) = match stage {
-            Stage::Fragment => {
+            Runs::Fragment => {
                 (Lanes::Pixels, format!("uint(gl_FragCoord.y) * {ROW}u + uint(gl_FragCoord.x)"))
             }
-            Stage::Vertex => (Lanes::Vertices, "uint(gl_VertexID)".to_string()),
-            _ => {
+            Runs::Vertex => (Lanes::Vertices, "uint(gl_VertexID)".to_string()),
+            Runs::Compute => {
                 let size = if sized { size } else { GROUP };
                 (
                     Lanes::Groups(size),
@@ -197,7 +182,7 @@ impl<'p> User<'p> {
                 )
             }
         };
-        if stage == Stage::Compute && !sized {
+        if stage == Runs::Compute && !sized {
             let _ = writeln!(text, "layout(local_size_x = {GROUP}) in;");
         }
         for ([block, array], readonly) in [(INPUTS, "readonly "), (OUTPUTS, "")] {
@@ -205,7 +190,7 @@ impl<'p> User<'p> {
                 writeln!(text, "layout(std430) {readonly}buffer {block} {{ uint {array}[]; }};");
         }
         let _ = writeln!(text, "void main() {{\n    uint landfall_lane = {lane};");
-        if stage == Stage::Compute && pure.asks == Asks::Call {
+        if stage == Runs::Compute && pure.asks == Asks::Call {
             // The others of a group of the user's size would do it again.
             text.push_str("    if (landfall_lane != 0u) return;\n");
         }
@@ -218,7 +203,7 @@ impl<'p> User<'p> {
         }
         self.call(pure, places, &mut text);
         let _ = writeln!(text, "    {}[{TO} + {}u] = 1u;", OUTPUTS[1], places.done);
-        if stage == Stage::Vertex {
+        if stage == Runs::Vertex {
             text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n");
         }
         text.push_str("}\n");

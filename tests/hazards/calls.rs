@@ -1,50 +1,14 @@
-//! The hazards of lighting code, H1 to H27, each with inputs that trigger it and what every
-//! reader must make of them.
-//!
-//! `hazards/hNN.json` has the rows: functions of `shaders/` and of small shaders beside the
-//! row, in the form tutorials print and in the form that holds. Expected values are computed
-//! from the formulas, in double precision, not by what is tested. Classes:
-//! - `undefined`: the evaluator notes those operations, whatever a driver prints;
-//! - `finite`: nothing undefined, and each number within `within` of `value`; `beyond` says
-//!   how far the evaluator's `f32` must be off at least, so that the hazard is one; `drivers`
-//!   is what drivers get instead of `within`.
-
-mod readers;
+//! Functions called with the inputs of a hazard, on every reader.
 
 use std::collections::HashMap;
-use std::fs;
-use std::path::Path;
 
 use landfall::run::call::{CallReport, Request, call};
 use landfall::run::reader::Reader;
 use landfall::{Language, Options, Source};
-use readers::with_readers;
 use serde_json::Value;
 
-/// The rows there are to be.
-const IDS: [&str; 30] = [
-    "H1", "H1b", "H2", "H3", "H3b", "H4", "H5", "H6", "H6b", "H7", "H8", "H9", "H10", "H11", "H12",
-    "H13", "H14", "H15", "H16", "H17", "H18", "H19", "H20", "H21", "H22", "H23", "H24", "H25",
-    "H26", "H27",
-];
-
-fn rows() -> Vec<Value> {
-    let folder = Path::new("tests/hazards");
-    let entries = fs::read_dir(folder).expect("the rows are beside this file");
-    let mut paths: Vec<_> = entries.map(|entry| entry.expect("a readable folder").path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
-    paths.sort();
-    let read = |path: &_| fs::read_to_string(path).expect("a readable row");
-    paths.iter().map(|path| serde_json::from_str(&read(path)).expect("a row is JSON")).collect()
-}
-
-fn text<'v>(value: &'v Value, key: &str) -> &'v str {
-    value[key].as_str().unwrap_or_else(|| panic!("`{key}` of {value}"))
-}
-
-fn list<'v>(value: &'v Value, key: &str) -> &'v [Value] {
-    value[key].as_array().unwrap_or_else(|| panic!("`{key}` of {value}"))
-}
+use super::readers::with_readers;
+use super::{list, rows, text};
 
 /// The numbers of a result or of an expected value, in order.
 fn flat(value: &Value) -> Vec<f64> {
@@ -143,24 +107,6 @@ fn by(name: &str, least: usize) {
         let calls = classified(&mut **reader.expect("every reader is there"));
         assert!(calls >= least, "{calls} calls");
     });
-}
-
-#[test]
-fn every_hazard_has_a_row_that_breaks_and_one_that_holds() {
-    let rows = rows();
-    let ids: Vec<&str> = rows.iter().map(|row| text(row, "id")).collect();
-    for id in IDS {
-        assert!(ids.contains(&id), "{id} has no row");
-    }
-    assert_eq!(ids.len(), IDS.len());
-    for row in &rows {
-        let cases = list(row, "cases");
-        assert!(
-            cases.iter().any(|case| text(&case["expect"], "class") == "finite"),
-            "{}",
-            text(row, "id")
-        );
-    }
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! The colours of one light made no numbers, so that whatever they reach is seen.
 //!
-//! Changes what [`fill`](super::fill) wrote; [`bench`](mod@crate::accuracy::bench) counts by it how
+//! Changes what [`Filler`] wrote; [`bench`](mod@crate::accuracy::bench) counts by it how
 //! many lights a shader really evaluates at a fragment: NaN passes through every product, a black
 //! one too, and through nothing that is skipped.
 
-use super::fill::{Filler, Len};
-use super::quantity::{Kind, LightPart, Quantity, Slot};
+use super::Filler;
+use super::write::Len;
+use crate::light::bind::quantity::{Kind, LightPart, Quantity, Slot};
 use crate::shape::ScalarKind;
 
 impl Filler {

@@ -1,0 +1,80 @@
+//! When to end: at a time, or when somebody says stop.
+//!
+//! Made by [`stress`](super::stress()), asked wherever a loop may take long.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
+
+/// The end of some work.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Deadline {
+    /// None where nobody waits.
+    at: Option<Instant>,
+    /// What somebody sets to end it before.
+    stop: Arc<AtomicBool>,
+    /// How long what was begun may still take after that.
+    grace: Duration,
+    /// When it was seen to be set.
+    stopped: Arc<OnceLock<Instant>>,
+}
+
+impl Deadline {
+    /// After that long, or at once when `stop` is set.
+    pub fn after(time: Option<Duration>, stop: &Arc<AtomicBool>) -> Deadline {
+        let at = time.and_then(|time| Instant::now().checked_add(time));
+        Deadline { at, stop: Arc::clone(stop), ..Deadline::default() }
+    }
+
+    /// The same with time to bring to an end what was begun.
+    pub fn with_grace(self, grace: Duration) -> Deadline {
+        Deadline { grace, ..self }
+    }
+
+    /// The same, but no later than after that long.
+    pub fn sooner(&self, time: Duration) -> Deadline {
+        let new = Instant::now() + time;
+        Deadline { at: Some(self.at.map_or(new, |at| at.min(new))), ..self.clone() }
+    }
+
+    pub fn is_over(&self) -> bool {
+        self.end().is_some_and(|end| Instant::now() >= end)
+    }
+
+    /// The time that is left; none where nobody waits.
+    pub fn left(&self) -> Option<Duration> {
+        self.end().map(|end| end.saturating_duration_since(Instant::now()))
+    }
+
+    /// The time it is over at, as far as is known now.
+    pub fn end(&self) -> Option<Instant> {
+        if !self.is_stopped() {
+            return self.at;
+        }
+        let end = *self.stopped.get_or_init(Instant::now) + self.grace;
+        Some(self.at.map_or(end, |at| at.min(end)))
+    }
+
+    /// Whether somebody said stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stop_ends_it_after_the_grace() {
+        let stop = Arc::new(AtomicBool::new(false));
+        let hour = Duration::from_secs(3600);
+        let sampling = Deadline::after(Some(hour), &stop);
+        let writing = sampling.clone().with_grace(hour / 2);
+        assert!(!sampling.is_over() && sampling.left().is_some_and(|left| left > hour / 2));
+        stop.store(true, Ordering::Relaxed);
+        assert!(sampling.is_over() && !writing.is_over());
+        assert!(writing.left().is_some_and(|left| left <= hour / 2));
+        assert!(writing.sooner(Duration::ZERO).is_over());
+    }
+}
