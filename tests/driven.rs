@@ -248,6 +248,54 @@ fn inputs_of_every_stage_are_given() {
 }
 
 #[test]
+fn constants_keep_their_values_and_old_outputs_come_back() {
+    let constant = "#version 450\nlayout(constant_id = 3) const int N = 4;\n\
+                    float f(float x) { return x * float(N); }\nvoid main() {}\n";
+    each(&pure("constant.frag", constant, "f"), &ALL, 100, |name, columns, called| {
+        for (back, given) in called.results[0][0].iter().zip(&columns[0]) {
+            assert_eq!(float(*back), float(*given) * 4.0, "{name}");
+        }
+    });
+    for head in ["", "#version 100\nprecision highp float;\n"] {
+        let text = format!("{head}varying vec4 v;\nvoid main() {{ gl_FragColor = v.wzyx; }}\n");
+        each(&pure("old.frag", &text, "main"), &ALL, 100, |name, columns, called| {
+            let back = &called.results[0];
+            assert!(back.iter().rev().eq(columns), "{name}");
+        });
+    }
+}
+
+#[test]
+fn blocks_of_hundreds_of_lights_compile_within_seconds() {
+    let text = "#version 450
+struct Light { vec3 position; float range; vec3 color; int kind; mat3 turn; };
+layout(std140, binding = 0) uniform Lights { Light lights[150]; int count; } all;
+vec4 f(int i) { Light one = all.lights[clamp(i, 0, 149)];
+    return vec4(one.turn[1] * 0.0 + one.color, float(one.kind & 255)); }
+void main() {}
+";
+    let pure = pure("lights.frag", text, "f");
+    let began = std::time::Instant::now();
+    each(&pure, &ALL, 40, |name, columns, called| {
+        let index = columns.len() - 1;
+        let place = |path: &str| {
+            let scalars = pure.parameters.iter().flat_map(|parameter| &parameter.scalars);
+            scalars.enumerate().find(|(_, known)| *known == path).expect("it is a scalar").0
+        };
+        let given = if place("i") == 0 { 0 } else { index };
+        for lane in 0..40 {
+            let nth = (columns[given][lane] as u32 as i32).clamp(0, 149);
+            let color = place(&format!("all.lights[{nth}].color.x"));
+            assert_eq!(called.results[0][0][lane], columns[color][lane], "{name}, {lane}");
+            let kind = columns[place(&format!("all.lights[{nth}].kind"))][lane] & 255;
+            assert_eq!(float(called.results[0][3][lane]), kind as f32, "{name}, {lane}");
+        }
+    });
+    // A value of all lights at once, taken apart word by word, keeps Mesa busy past any limit.
+    assert!(began.elapsed() < Duration::from_secs(60), "{:?}", began.elapsed());
+}
+
+#[test]
 fn a_lane_that_discards_gives_nothing_and_is_named() {
     let text = "#version 330\nuniform sampler2D tex;\nout vec4 color;
 float f(float x, vec2 uv) { if (x < 0.0) discard; return x * texture(tex, uv).g; }

@@ -154,7 +154,9 @@ pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<Reade
             apart,
             parted: seen.parted,
             failure: seen.failure.as_ref().map(|failure| {
-                let log = failure.log.lines().find(|line| !line.trim().is_empty());
+                let mut lines = failure.log.lines().filter(|line| !line.trim().is_empty());
+                let first = lines.clone().next();
+                let log = lines.find(|line| line.contains("error")).or(first);
                 match (seen.tally.samples, log) {
                     (0, Some(log)) => format!("{}: {}", failure.message, log.trim()),
                     (0, None) => failure.message.clone(),
@@ -166,6 +168,16 @@ pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<Reade
         });
     }
     reports
+}
+
+/// Whether the bounds of a driver are known: OpenGL's compiler has its own ways to invert a matrix,
+/// for which no specification has a formula; wgpu is given ours.
+fn known(pure: &Pure, device: &Device) -> bool {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let inverts = |text: &str| {
+        text.split(|c| !is_word(c)).any(|word| matches!(word, "inverse" | "determinant"))
+    };
+    device.reader != "gl" || !pure.files.iter().any(|file| inverts(&file.text))
 }
 
 /// A sample with what a driver gives for it.
@@ -189,7 +201,7 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
     DriverCase {
         outcome,
         results: results.to_vec(),
-        verdict: verdict(pure, sample, plan, results),
+        verdict: verdict(pure, sample, plan, results).filter(|_| known(pure, device)),
         condition: condition(pure, inputs, sample, plan),
         plausible: plausible(inputs, sample),
         case,

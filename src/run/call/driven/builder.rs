@@ -139,7 +139,9 @@ impl<'m> Builder<'m> {
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
                 let step = words(self.types, base)?;
                 if len.get() > UNROLLED {
-                    return self.load_in_a_loop(ty, base, len.get(), step, at);
+                    let all = self.local(ty);
+                    self.load_into(all, ty, at)?;
+                    return Some(self.computed(Expression::Load { pointer: all }));
                 }
                 let parts = (0..len.get()).map(|i| self.load(base, at.on(i * step)));
                 let components = parts.collect::<Option<Vec<_>>>()?;
@@ -158,16 +160,51 @@ impl<'m> Builder<'m> {
         })
     }
 
+    /// Reads a value of a type into a variable, part by part: of a large one there is never a
+    /// whole value, which compilers take apart word by word.
+    pub fn load_into(
+        &mut self,
+        pointer: Handle<Expression>,
+        ty: Handle<Type>,
+        at: At,
+    ) -> Option<()> {
+        let inner = self.types[ty].inner.clone();
+        match inner {
+            TypeInner::Struct { members, .. } => {
+                let mut offset = 0;
+                for (i, member) in (0..).zip(members) {
+                    let part = self.index(pointer, i);
+                    self.load_into(part, member.ty, at.on(offset))?;
+                    offset += words(self.types, member.ty)?;
+                }
+            }
+            TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
+                let step = words(self.types, base)?;
+                if len.get() > UNROLLED {
+                    return self.load_in_a_loop(pointer, base, (len.get(), step), at);
+                }
+                for i in 0..len.get() {
+                    let part = self.index(pointer, i);
+                    self.load_into(part, base, at.on(i * step))?;
+                }
+            }
+            _ => {
+                let value = self.load(ty, at)?;
+                self.statement(Statement::Store { pointer, value });
+            }
+        }
+        Some(())
+    }
+
     fn load_in_a_loop(
         &mut self,
-        ty: Handle<Type>,
+        pointer: Handle<Expression>,
         element: Handle<Type>,
-        len: u32,
-        step: u32,
+        (len, step): (u32, u32),
         at: At,
-    ) -> Option<Handle<Expression>> {
+    ) -> Option<()> {
         let uint = self.ty(TypeInner::Scalar(Scalar::U32));
-        let (all, counter) = (self.local(ty), self.local(uint));
+        let counter = self.local(uint);
         let (zero, one) = (self.number(0), self.number(1));
         let (step, len) = (self.number(step), self.number(len));
         self.statement(Statement::Store { pointer: counter, value: zero });
@@ -179,16 +216,16 @@ impl<'m> Builder<'m> {
         self.statement(Statement::If { condition: over, accept, reject: Block::new() });
         let skipped = self.binary(BinaryOperator::Multiply, number, step);
         let base = self.binary(BinaryOperator::Add, at.base, skipped);
-        let value = self.load(element, At { base, ..at })?;
-        let pointer = self.computed(Expression::Access { base: all, index: number });
-        self.statement(Statement::Store { pointer, value });
+        let part = self.computed(Expression::Access { base: pointer, index: number });
+        self.load_into(part, element, At { base, ..at })?;
+        self.flush();
         let body = std::mem::take(&mut self.block);
         let number = self.computed(Expression::Load { pointer: counter });
         let value = self.binary(BinaryOperator::Add, number, one);
         self.statement(Statement::Store { pointer: counter, value });
         let continuing = std::mem::replace(&mut self.block, outside);
         self.statement(Statement::Loop { body, continuing, break_if: None });
-        Some(self.computed(Expression::Load { pointer: all }))
+        Some(())
     }
 
     fn load_scalar(&mut self, scalar: Scalar, at: At) -> Option<Handle<Expression>> {

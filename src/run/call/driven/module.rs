@@ -1,8 +1,8 @@
 //! A function in naga's IR with an entry point that calls it once a lane, for wgpu and the
 //! evaluator.
 //!
-//! Compute, or a fragment stage where the function does what only those may: discards, samples
-//! by differences between neighbours.
+//! Compute, or a fragment stage where the function does what only those may (discards, samples
+//! by differences between neighbours) or reads very much.
 
 use std::sync::Arc;
 
@@ -27,6 +27,10 @@ const ENTRY: &str = "landfall_main";
 const INPUTS: &str = "landfall_in";
 const OUTPUTS: &str = "landfall_out";
 
+/// Words of a lane from which on a fragment stage comes first: llvmpipe (Mesa 22.3.6) compiles
+/// compute shaders as coroutines, whose frame of a thousand words takes LLVM longer than any limit.
+const LARGE: u32 = 128;
+
 /// Invocations of a workgroup.
 const GROUP: u32 = 64;
 
@@ -42,18 +46,18 @@ fn invocations(pure: &Pure) -> u32 {
 pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
     let (group, binding) = pure.module.free_place();
     let bindings = [(group, binding), (group, binding.saturating_add(1))];
-    let at = |stage| made(pure, places, bindings, stage);
-    let (stage, module) = match at(ShaderStage::Compute) {
-        Ok(module) => (Stage::Compute, module),
-        Err(found) => match at(ShaderStage::Fragment) {
-            Ok(module) => (Stage::Fragment, module),
-            Err(_) => {
-                let first = found.first().map_or("no reason given", |f| f.message.as_str());
-                let message = format!("the call cannot be run: {first}");
-                return Err(Failure::refused(message, ""));
-            }
-        },
+    let compute = (Stage::Compute, ShaderStage::Compute);
+    let fragment = (Stage::Fragment, ShaderStage::Fragment);
+    let [first, second] = match places.words_in > LARGE {
+        false => [compute, fragment],
+        true => [fragment, compute],
     };
+    let at = |(stage, entry)| made(pure, places, bindings, entry).map(|module| (stage, module));
+    let made = at(first).or_else(|found| at(second).map_err(|_| found));
+    let (stage, module) = made.map_err(|found| {
+        let first = found.first().map_or("no reason given", |f| f.message.as_str());
+        Failure::refused(format!("the call cannot be run: {first}"), "")
+    })?;
     // What became variables of a lane is not bound, and its place may be taken.
     let has = |module: &Module, resource: &Resource| {
         let place = Some(ResourceBinding { group: resource.group, binding: resource.binding });
@@ -141,6 +145,7 @@ fn entry(
         let types: Vec<Handle<Type>> = caller.arguments.iter().map(|a| a.ty).collect();
         (handle, types, caller.result.as_ref().map(|result| result.ty))
     };
+    let blocks = blocks_apart(pure, &mut ir.functions[caller]);
     let mut new = Builder::new(&mut ir.types);
     let lane = lane(&mut new, stage);
     let from = new.number(places.words_in);
@@ -151,7 +156,13 @@ fn entry(
     let base = new.binary(BinaryOperator::Multiply, lane, to);
     let to = At { buffer: outputs, base, offset: 0 };
     let mut arguments = Vec::with_capacity(parameters.len());
-    for (ty, slot) in parameters.iter().zip(&pure.slots) {
+    for (nth, (ty, slot)) in parameters.iter().zip(&pure.slots).enumerate() {
+        if let Some((_, block)) = blocks.iter().find(|(at, _)| *at == nth) {
+            let pointer = new.given(Expression::GlobalVariable(*block));
+            new.load_into(pointer, *ty, At { offset: places.slot(slot)?, ..from })?;
+            arguments.push(None);
+            continue;
+        }
         let pointed = match new.types[*ty].inner {
             TypeInner::Pointer { base, .. } => Some(base),
             _ => None,
@@ -163,19 +174,19 @@ fn entry(
                 new.given(Expression::ZeroValue(value_type))
             }
         };
-        arguments.push(match pointed {
+        arguments.push(Some(match pointed {
             None => value,
             Some(ty) => {
                 let pointer = new.local(ty);
                 new.statement(Statement::Store { pointer, value });
                 pointer
             }
-        });
+        }));
     }
     let returned = result.map(|ty| (new.call_result(caller), ty));
     let call = Statement::Call {
         function: caller,
-        arguments: arguments.clone(),
+        arguments: arguments.iter().copied().flatten().collect(),
         result: returned.map(|(value, _)| value),
     };
     new.statement(call);
@@ -186,7 +197,7 @@ fn entry(
                 let TypeInner::Pointer { base, .. } = new.types[parameters[at]].inner else {
                     return None;
                 };
-                (new.computed(Expression::Load { pointer: arguments[at] }), base)
+                (new.computed(Expression::Load { pointer: arguments[at]? }), base)
             }
         };
         new.store(ty, value, At { offset: *first, ..to })?;
@@ -197,6 +208,42 @@ fn entry(
     let mut function = new.finish();
     function.name = Some(ENTRY.to_string());
     Some(function)
+}
+
+/// Takes the blocks out of the caller's parameters: which they were, and their variables, which
+/// are to be filled before the call.
+fn blocks_apart(pure: &Pure, caller: &mut Function) -> Vec<(usize, Handle<GlobalVariable>)> {
+    let first = pure.inputs.len() + pure.info.parameters.len();
+    let given = pure.slots.iter().skip(first).take_while(|slot| matches!(slot, Slot::Given(_)));
+    let range = first..first + given.count();
+    let mut blocks = Vec::new();
+    let mut body = naga::Block::new();
+    for (statement, span) in std::mem::take(&mut caller.body).span_iter() {
+        if let Statement::Store { pointer, value } = statement {
+            let expressions = (&caller.expressions[*pointer], &caller.expressions[*value]);
+            if let (Expression::GlobalVariable(block), Expression::FunctionArgument(at)) =
+                expressions
+            {
+                if range.contains(&(*at as usize)) {
+                    blocks.push((*at as usize, *block));
+                    continue;
+                }
+            }
+        }
+        body.push(statement.clone(), *span);
+    }
+    caller.body = body;
+    caller.arguments.drain(range.clone());
+    for (_, expression) in caller.expressions.iter_mut() {
+        let Expression::FunctionArgument(at) = expression else { continue };
+        if range.contains(&(*at as usize)) {
+            // Nobody reads it any more.
+            *expression = Expression::Literal(naga::Literal::U32(0));
+        } else if *at as usize >= range.end {
+            *at -= range.len() as u32;
+        }
+    }
+    blocks
 }
 
 /// The number of the lane that runs.

@@ -12,11 +12,11 @@ use super::pieces::{Piece, Way, member, moves, plain};
 use super::words::Places;
 use super::{Code, Lanes, ROW, buffer};
 use crate::layout::BlockLayout;
-use crate::port::{PortOptions, Ported, port};
+use crate::parse::glsl::raw;
+use crate::port::{Direction, PortOptions, Ported, port};
 use crate::run::bound;
 use crate::run::call::pure::{Asks, Origin, Pure, Slot};
 use crate::run::eval::ValueType;
-use crate::run::probe::glsl::Head;
 use crate::run::reader::{Failure, Resource, StageCode};
 use crate::run::rewrite::{Builtin, Rewritten, Wanted, rewritten};
 use crate::run::runs::Runs;
@@ -54,7 +54,9 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
         glsl: Some(text),
         spirv: None,
     };
-    let mut stages = vec![part(stage.into(), texts::without(&text, "set"))];
+    // Neither is of OpenGL; a constant keeps the value it is written with.
+    let text = texts::without(&texts::without(&text, "set"), "constant_id");
+    let mut stages = vec![part(stage.into(), text)];
     if stage == Runs::Vertex {
         stages.push(part(Stage::Fragment, partner::fragment(&user.text).text.to_string()));
     }
@@ -106,7 +108,7 @@ impl<'p> User<'p> {
     fn of(pure: &'p Pure) -> Result<User<'p>, Failure> {
         let source = &pure.source;
         let shader = layout(source, &pure.options);
-        let head = Head::of(&source.text);
+        let head = raw::read(source, &pure.options.read);
         let loose = shader.blocks.iter().any(|block| texts::is_loose(source, block));
         // Storage blocks are of GLSL 4.30.
         if !(loose || head.es || head.version < 430) {
@@ -301,13 +303,21 @@ impl<'p> User<'p> {
                 None => "landfall_result".to_string(),
                 Some(at) => match names.get(at.wrapping_sub(base)) {
                     Some(name) => name.clone(),
-                    None => self.new_path(&result.name),
+                    None => self.output(&result.name),
                 },
             };
             let pieces = plain(&result.ty, &new);
             let from = format!("{TO} + {first}u");
             moves(text, &pieces, Way::Store, (&name, OUTPUTS[1], &from));
         }
+    }
+
+    /// What a variable that is written is called in the text.
+    fn output(&self, name: &str) -> String {
+        let old = ["gl_FragColor", "gl_FragData"].contains(&name);
+        let locations = self.ported.iter().filter(|_| old).flat_map(|ported| &ported.locations);
+        let mut outputs = locations.filter(|location| location.direction == Direction::Out);
+        outputs.next().map_or_else(|| self.new_path(name), |output| output.name.clone())
     }
 
     /// What a type is called in the text.
