@@ -276,7 +276,8 @@ void main() {}
 ";
     let pure = pure("lights.frag", text, "f");
     let began = std::time::Instant::now();
-    each(&pure, &ALL, 40, |name, columns, called| {
+    // Not `gpu`: lavapipe (Mesa 22.3.6) takes past any limit to compile more than 32 of them.
+    each(&pure, &["cpu", "gl"], 40, |name, columns, called| {
         let index = columns.len() - 1;
         let place = |path: &str| {
             let scalars = pure.parameters.iter().flat_map(|parameter| &parameter.scalars);

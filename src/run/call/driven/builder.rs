@@ -3,8 +3,8 @@
 //! [`module`](super::module) builds an entry point with it.
 
 use naga::{
-    ArraySize, BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, Range,
-    Scalar, ScalarKind, Span, Statement, Type, TypeInner, UniqueArena,
+    ArraySize, BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable,
+    MathFunction, Range, Scalar, ScalarKind, Span, Statement, Type, TypeInner, UniqueArena,
 };
 
 /// A function and the block that is being written.
@@ -14,6 +14,8 @@ pub(super) struct Builder<'m> {
     block: Block,
     /// Expressions from here on are not emitted yet.
     pending: Option<usize>,
+    /// A 1 that no compiler knows of, where there is one.
+    one: Option<Handle<Expression>>,
 }
 
 /// Words in a buffer: from a number that is computed, and so many on.
@@ -35,7 +37,13 @@ const UNROLLED: u32 = 4;
 
 impl<'m> Builder<'m> {
     pub fn new(types: &'m mut UniqueArena<Type>) -> Builder<'m> {
-        Builder { types, function: Function::default(), block: Block::new(), pending: None }
+        Builder {
+            types,
+            function: Function::default(),
+            block: Block::new(),
+            pending: None,
+            one: None,
+        }
     }
 
     /// The function, with all that was written.
@@ -60,6 +68,20 @@ impl<'m> Builder<'m> {
     pub fn statement(&mut self, statement: Statement) {
         self.flush();
         self.block.push(statement, Span::UNDEFINED);
+    }
+
+    /// Makes loops count by a number that is read from the length of a buffer: Mesa unrolls those
+    /// of hundreds of turns, and LLVM compiles that for minutes (22.3.6).
+    pub fn count_by_length(&mut self, buffer: Handle<Expression>) {
+        let one = self.number(1);
+        let arg = self.computed(Expression::ArrayLength(buffer));
+        self.one = Some(self.computed(Expression::Math {
+            fun: MathFunction::Min,
+            arg,
+            arg1: Some(one),
+            arg2: None,
+            arg3: None,
+        }));
     }
 
     /// The result of a call that stands in a statement.
@@ -205,7 +227,11 @@ impl<'m> Builder<'m> {
     ) -> Option<()> {
         let uint = self.ty(TypeInner::Scalar(Scalar::U32));
         let counter = self.local(uint);
-        let (zero, one) = (self.number(0), self.number(1));
+        let zero = self.number(0);
+        let one = match self.one {
+            Some(one) => one,
+            None => self.number(1),
+        };
         let (step, len) = (self.number(step), self.number(len));
         self.statement(Statement::Store { pointer: counter, value: zero });
         let outside = std::mem::take(&mut self.block);

@@ -151,6 +151,7 @@ fn entry(
     let from = new.number(places.words_in);
     let to = new.number(places.words_out);
     let [inputs, outputs] = [inputs, outputs].map(|v| new.given(Expression::GlobalVariable(v)));
+    new.count_by_length(outputs);
     let base = new.binary(BinaryOperator::Multiply, lane, from);
     let from = At { buffer: inputs, base, offset: 0 };
     let base = new.binary(BinaryOperator::Multiply, lane, to);

@@ -19,6 +19,10 @@ pub(super) enum Piece {
     Array { path: String, len: u32, step: u32, word: u32, element: Vec<Piece> },
 }
 
+/// A 1 that no compiler knows of: Mesa unrolls loops of hundreds of turns, and LLVM compiles that
+/// for minutes (22.3.6).
+pub(super) const ONE: &str = "landfall_one";
+
 const ROWS: [&str; 4] = ["x", "y", "z", "w"];
 
 /// The pieces of a value whose type in the text is that one.
@@ -191,7 +195,7 @@ fn nested(
             }
             Piece::Array { path, len, step, word, element } => {
                 let i = format!("landfall_i{depth}");
-                let _ = writeln!(text, "{space}for (uint {i} = 0u; {i} < {len}u; ++{i}) {{");
+                let _ = writeln!(text, "{space}for (uint {i} = 0u; {i} < {len}u; {i} += {ONE}) {{");
                 let from = format!("{from} + {word}u + {i} * {step}u");
                 let name = format!("{name}{path}[{i}]");
                 nested(text, element, way, (&name, buffer, &from), depth + 1);

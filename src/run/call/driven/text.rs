@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-use super::pieces::{Piece, Way, member, moves, plain};
+use super::pieces::{ONE, Piece, Way, member, moves, plain};
 use super::words::Places;
 use super::{Code, Lanes, ROW, buffer};
 use crate::layout::BlockLayout;
@@ -196,6 +196,8 @@ impl<'p> User<'p> {
             // The others of a group of the user's size would do it again.
             text.push_str("    if (landfall_lane != 0u) return;\n");
         }
+        let length = format!("uint({}.length())", OUTPUTS[1]);
+        let _ = writeln!(text, "    uint {ONE} = min({length}, 1u);");
         let (words_in, words_out) = (places.words_in, places.words_out);
         let _ = writeln!(text, "    uint {FROM} = landfall_lane * {words_in}u;");
         let _ = writeln!(text, "    uint {TO} = landfall_lane * {words_out}u;");
