@@ -74,6 +74,9 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
     text
 }
 
+/// Characters of a command that people are shown.
+const LONG: usize = 600;
+
 /// What a driver made of the samples, below the table.
 fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
     let name = reader.reader;
@@ -90,7 +93,13 @@ fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
         let line = format!("{name} {what}: {failure}");
         let _ = writeln!(text, "  {}", paint.text(CAUTION, &line));
     }
-    for (what, case) in ["largest in ULP", "largest in steps"].iter().zip(&reader.worst) {
+    let same = |pair: &[_]| matches!(pair, [a, b] if a == b);
+    let arguments: Vec<_> = reader.worst.iter().map(|worst| &worst.case.arguments).collect();
+    let names: &[&str] = match same(&arguments) {
+        true => &["largest in ULP and in steps"],
+        false => &["largest in ULP", "largest in steps"],
+    };
+    for (what, case) in names.iter().zip(&reader.worst) {
         let verdict = match case.verdict {
             Some(Verdict::Permitted) => ", as any conformant adapter may be",
             Some(Verdict::Wrong) => ", wrong on this adapter",
@@ -107,7 +116,11 @@ fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
                 format!("{} is {single}, should be {double}", truth.path)
             })
             .collect();
-        for line in [cut(&given.join("; ")), command(&case.case.arguments)] {
+        let again = match command(&case.case.arguments) {
+            long if long.len() > LONG => "`--format json` has the command that repeats it".into(),
+            short => short,
+        };
+        for line in [cut(&given.join("; ")), again] {
             let _ = writeln!(text, "{}", paint.text(FAINT, &format!("    {line}")));
         }
     }

@@ -3,6 +3,7 @@
 
 mod figures;
 mod hazards;
+mod inputs;
 mod refusals;
 mod repeat;
 

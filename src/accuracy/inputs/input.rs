@@ -76,12 +76,32 @@ pub fn float(sample: &[u64], at: usize) -> f32 {
     f32::from_bits(sample[at] as u32)
 }
 
+/// What a function reads; what is bound beside it stays zero.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    read: Vec<Input>,
+    /// Scalars of a sample, those that are not read too.
+    pub scalars: usize,
+}
+
+impl std::ops::Deref for Inputs {
+    type Target = [Input];
+
+    fn deref(&self) -> &[Input] {
+        &self.read
+    }
+}
+
 /// Every input of a function, in the order of its scalars.
-pub fn inputs(pure: &Pure) -> Vec<Input> {
+pub fn inputs(pure: &Pure) -> Inputs {
     let mut all = Vec::new();
     let mut first = 0;
     for parameter in &pure.parameters {
+        let before = all.len();
         push(&parameter.ty, parameter.path.clone(), None, &mut first, &mut all);
+        if !parameter.read {
+            all.truncate(before);
+        }
     }
     // An inner cut-off is one only beside an outer one.
     let outer: Vec<String> = all
@@ -94,7 +114,7 @@ pub fn inputs(pure: &Pure) -> Vec<Input> {
             input.role = Role::InnerCosine;
         }
     }
-    all
+    Inputs { read: all, scalars: first }
 }
 
 fn push(

@@ -4,7 +4,7 @@
 //! Feeds [`bench`](mod@crate::accuracy::bench), whose errors and times are those of real use.
 
 use super::domain::Domain;
-use super::input::{Input, Sample};
+use super::input::{Inputs, Sample};
 use super::random::Random;
 use super::scene::{Geometry, Setting, sample};
 
@@ -26,7 +26,7 @@ const SHINES: usize = 5;
 
 /// Samples that are in the domain; fewer, or none, where the domain leaves hardly any.
 pub(in crate::accuracy) fn published(
-    inputs: &[Input],
+    inputs: &Inputs,
     domain: &Domain,
     seed: u64,
     count: usize,
@@ -58,7 +58,7 @@ mod tests {
     use crate::run::call::pure::{Pure, PureRequest};
     use crate::source::Source;
 
-    fn samples(text: &str, json: &str, seed: u64) -> (Vec<Input>, Domain, Vec<Sample>) {
+    fn samples(text: &str, json: &str, seed: u64) -> (Inputs, Domain, Vec<Sample>) {
         let source = Source::new("f.frag", text);
         let request = PureRequest { function: "f".to_string(), ..PureRequest::default() };
         let pure = Pure::new(&source, &Options::default(), &request).expect("it is pure");

@@ -3,7 +3,7 @@
 //!
 //! Feeds [`samples`](super::samples) and the generator of [`stress`](crate::accuracy::stress).
 
-use super::input::{Input, Sample};
+use super::input::{Input, Inputs, Sample};
 use super::random::Random;
 use super::role::Role;
 use crate::shape::ScalarKind;
@@ -163,12 +163,11 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
 
 /// A sample of those inputs as a scene has them; the light of one owner is as the setting says.
 pub(in crate::accuracy) fn sample(
-    inputs: &[Input],
+    inputs: &Inputs,
     setting: Setting,
     random: &mut Random,
 ) -> Sample {
-    let scalars = inputs.last().map_or(0, |input| input.first + input.len);
-    let mut to = vec![0u64; scalars];
+    let mut to = vec![0u64; inputs.scalars];
     let fragment = single([0; 3].map(|_| random.between(-5.0, 5.0)));
     let normal = random.direction();
     let owners: Vec<&str> = {
@@ -195,10 +194,7 @@ pub(in crate::accuracy) fn sample(
     };
     let view = add(fragment, to_view, random.scale(0.5, 20.0));
     let mut others: Vec<(String, Light)> = Vec::new();
-    let mut at = 0;
-    for input in inputs {
-        debug_assert_eq!(at, input.first);
-        at += input.len;
+    for input in inputs.iter() {
         if !input.is_float() {
             integers(input, &mut to, random);
             continue;

@@ -4,7 +4,7 @@
 //! Feeds [`sample`](super::sample).
 
 use super::domain::{Domain, Within};
-use super::input::{Input, Sample, float};
+use super::input::{Input, Inputs, Sample, float};
 use super::random::Random;
 use super::role::Role;
 use super::scene::{self, Geometry, Setting};
@@ -77,7 +77,7 @@ struct Mutation {
 /// Makes the samples of a function.
 #[derive(Debug)]
 pub(super) struct Generator<'a> {
-    pub inputs: &'a [Input],
+    pub inputs: &'a Inputs,
     pub domain: &'a Domain,
     mutations: Vec<Mutation>,
     seed: u64,
@@ -103,7 +103,7 @@ pub(super) const TAG_BITS: u32 = 1 << 24;
 const TAG_SCENES: u32 = 1 << 20;
 
 impl<'a> Generator<'a> {
-    pub fn new(inputs: &'a [Input], domain: &'a Domain, seed: u64) -> Generator<'a> {
+    pub fn new(inputs: &'a Inputs, domain: &'a Domain, seed: u64) -> Generator<'a> {
         let mut mutations = mutations(inputs);
         if mutations.len() > MUTATIONS {
             // The first ones are the likeliest; of the others, some.
@@ -236,8 +236,7 @@ impl<'a> Generator<'a> {
     }
 
     fn bits(&self, random: &mut Random) -> Sample {
-        let scalars = self.inputs.last().map_or(0, |input| input.first + input.len);
-        let mut sample = vec![0; scalars];
+        let mut sample = vec![0; self.inputs.scalars];
         for at in 0..self.inputs.len() {
             self.draw(at, &mut sample, random);
         }

@@ -142,7 +142,7 @@ pub fn error_map(
 }
 
 /// A scene in the domain.
-fn base(inputs: &[super::Input], domain: &super::domain::Domain, seed: u64) -> Sample {
+fn base(inputs: &super::input::Inputs, domain: &super::domain::Domain, seed: u64) -> Sample {
     let mut random = Random::new(seed, 1 << 41);
     let mut sample = Sample::new();
     for _ in 0..64 {

@@ -9,7 +9,7 @@ use super::domain::Within;
 use super::find::Raw;
 use super::generate::Generator;
 use super::hazard::{self as h, Hazard};
-use super::input::{Input, Sample, float};
+use super::input::{Input, Inputs, Sample, float};
 use super::measure::{Off, Outcome, floats};
 use super::random::Random;
 use super::role::Role;
@@ -43,7 +43,7 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn inputs(&self) -> &[Input] {
+    fn inputs(&self) -> &Inputs {
         self.generator.inputs
     }
 

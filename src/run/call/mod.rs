@@ -10,6 +10,7 @@ mod driver;
 mod effects;
 mod find;
 pub mod pure;
+mod reads;
 pub(crate) mod report;
 
 use std::time::{Duration, Instant};

@@ -14,6 +14,7 @@ use serde_json::{Map, Value};
 use super::caller::{self, Caller};
 use super::effects::{look, through_initialisers};
 use super::find::{shown, unknown};
+use super::reads;
 use super::report::Given;
 use super::{Refusal, arguments, finding};
 use crate::run::bound::{self, Data};
@@ -100,6 +101,8 @@ pub struct PureParameter {
     pub ty: ValueType,
     /// The way to each of its scalars, and what the scalar is in the text.
     pub scalars: Vec<String>,
+    /// Whether it is read: of a block, only some members may be. The others may be anything.
+    pub read: bool,
     /// Of a member of a block: which of the module's.
     pub(super) block: Option<usize>,
 }
@@ -327,6 +330,12 @@ fn make(
         caller::caller(&module, info.handle).map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let number = module.ir.functions.len() - 1;
     through_initialisers(&module.ir, &mut reached);
+    let handle = module.ir.functions.iter().last().expect("the caller was appended").0;
+    let members_read = reads::members(&module.ir, handle);
+    let reads = |variable: Handle<GlobalVariable>, member: u32| {
+        let members = members_read.get(&variable);
+        members.is_some_and(|members| members.as_ref().is_none_or(|all| all.contains(&member)))
+    };
     let base = inputs.len();
     let mut notes = Vec::new();
     // Which blocks become parameters.
@@ -358,7 +367,6 @@ fn make(
         }
     }
     let returned_globals = if info.returns.is_none() { &written[..] } else { &[] };
-    let handle = module.ir.functions.iter().last().expect("the caller was appended").0;
     let mut function = std::mem::take(&mut module.ir.functions[handle]);
     let mut front = Block::new();
     for (nth, variable, _) in &blocks {
@@ -443,10 +451,10 @@ fn make(
                 Slot::Given(vec![parameters.len() - 1])
             });
         } else if at < globals_from {
-            let (nth, _, members) = &blocks[at - base - info.parameters.len()];
+            let (nth, variable, members) = &blocks[at - base - info.parameters.len()];
             let block = &module.blocks[*nth].layout;
             let mut all = Vec::new();
-            for (member, ty) in members {
+            for (member_number, (member, ty)) in members.iter().enumerate() {
                 let named = block.instance.as_deref().or(match &*block.name {
                     "DefaultBlock" | "" => None,
                     _ if language == Language::Glsl => None,
@@ -456,7 +464,8 @@ fn make(
                 let origin = Origin::Block(block.name.to_string(), member.clone());
                 all.push(parameters.len());
                 let block = Some(*nth);
-                parameters.push(PureParameter { block, ..plain(path, origin, ty.clone()) });
+                let read = reads(*variable, member_number as u32);
+                parameters.push(PureParameter { read, block, ..plain(path, origin, ty.clone()) });
             }
             slots.push(Slot::Given(all));
         } else {
@@ -479,9 +488,9 @@ fn make(
     for at in 0..parameters.len() {
         let twice = parameters.iter().filter(|p| p.path == parameters[at].path).count() > 1;
         if let (true, Origin::Block(block, member)) = (twice, parameters[at].origin.clone()) {
-            let (ty, number) = (parameters[at].ty.clone(), parameters[at].block);
+            let PureParameter { ty, read, block: number, .. } = parameters[at].clone();
             let made = plain(format!("{block}.{member}"), Origin::Block(block, member), ty);
-            parameters[at] = PureParameter { block: number, ..made };
+            parameters[at] = PureParameter { read, block: number, ..made };
         }
     }
     let white: Vec<&str> = module
@@ -520,7 +529,7 @@ fn make(
 
 fn plain(path: String, origin: Origin, ty: ValueType) -> PureParameter {
     let scalars = arguments::paths(&ty).into_iter().map(|rest| format!("{path}{rest}")).collect();
-    PureParameter { path, origin, ty, scalars, block: None }
+    PureParameter { path, origin, ty, scalars, read: true, block: None }
 }
 
 /// The function of that name; an entry point of WGSL as a function.

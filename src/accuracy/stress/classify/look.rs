@@ -16,6 +16,10 @@ pub(super) struct Look<'a> {
     pub sample: &'a Sample,
 }
 
+/// The cosine of the half angle, 2.6 degrees, of what is called a narrow cone: of a wider one the
+/// chord is hardly better than the cosine.
+const NARROW: f64 = 0.999;
+
 impl Look<'_> {
     fn candidate(
         &self,
@@ -327,7 +331,7 @@ impl Look<'_> {
                 let cone = behind.iter().any(|&at| self.role(at).is_cone());
                 let far = largest > 1.0e3
                     && behind.iter().filter(|&&at| self.role(at).is_position()).count() > 0;
-                if cone && largest < 4.0 {
+                if cone && (NARROW..4.0).contains(&largest) {
                     (&h::NARROW_CONE, behind)
                 } else if far {
                     (&h::FAR_FROM_ORIGIN, behind)
@@ -338,7 +342,11 @@ impl Look<'_> {
             Operation::SmoothStep => {
                 let behind = behind();
                 let cone = behind.iter().any(|&at| self.role(at).is_cone());
-                (if cone { &h::NARROW_CONE } else { &h::ACCUMULATED_ERROR }, behind)
+                match (cone, largest >= NARROW) {
+                    (true, true) => (&h::NARROW_CONE, behind),
+                    (true, false) => (&h::CANCELLATION, behind),
+                    (false, _) => (&h::ACCUMULATED_ERROR, behind),
+                }
             }
             _ => (&h::ACCUMULATED_ERROR, behind()),
         }
