@@ -28,7 +28,7 @@ const INPUTS: &str = "landfall_in";
 const OUTPUTS: &str = "landfall_out";
 
 /// Words of a lane from which on a fragment stage comes first: llvmpipe (Mesa 22.3.6) compiles
-/// compute shaders as coroutines, whose frame of a thousand words takes LLVM longer than any limit.
+/// compute shaders as coroutines, and takes LLVM the longer the more words a lane has.
 const LARGE: u32 = 128;
 
 /// Invocations of a workgroup.
