@@ -19,11 +19,12 @@ pub struct BenchArgs {
     /// 'NAME(vec3, float)' where several have the name. What it reads is given as to `stress`
     #[arg(long = "fn", value_name = "NAME", conflicts_with_all = ["size", "model", "model_of", "bind", "most"])]
     pub function: Option<String>,
-    /// A variant: a shader's FILE; rust:seed, rust:ungated or rust:robust, compiled into landfall,
-    /// the last, with exact gates, also rust:robust=POWER, without powers below POWER;
-    /// plan:OPTIONS, which skips lights, or FILE+plan:OPTIONS, a shader that does. With --fn FILE, FILE#NAME, or #NAME of the same file.
-    /// Behind a shader, :half rounds every float to f16 and :mediump those that OpenGL ES says
-    /// are, which only the evaluator does. Once for each [default: the scene's shader and what is
+    /// A variant, once for each: a shader's FILE; rust:seed, rust:ungated or rust:robust, which are
+    /// compiled into landfall, the last without what adds nothing, and as rust:robust=POWER
+    /// without powers below POWER; plan:OPTIONS, which skips lights as `render --skip` does, or
+    /// FILE+plan:OPTIONS, a shader that does. With --fn FILE, FILE#NAME, or #NAME of the same
+    /// file. Behind a shader or function, :half rounds every float to f16, and :mediump those that
+    /// OpenGL ES says are, on the evaluator alone [default: the scene's shader and what is
     /// compiled; the function as it is]
     #[arg(long = "variant", value_name = "NAME=WHAT", value_parser = setting)]
     pub variants: Vec<(String, String)>,
