@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use crate::source::{Language, Span};
 pub use spelled::Spelled;
+pub(crate) use spelled::wgsl_scalar;
 
 /// What a component is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -92,6 +92,46 @@ impl Stage {
     }
 }
 
+/// A stage that runs here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Runs {
+    Vertex,
+    Fragment,
+    Compute,
+}
+
+impl Runs {
+    /// It, if it runs.
+    pub fn of(stage: Stage) -> Option<Runs> {
+        match stage {
+            Stage::Vertex => Some(Runs::Vertex),
+            Stage::Fragment => Some(Runs::Fragment),
+            Stage::Compute => Some(Runs::Compute),
+            Stage::TessellationControl
+            | Stage::TessellationEvaluation
+            | Stage::Geometry
+            | Stage::Task
+            | Stage::Mesh
+            | Stage::RayGeneration
+            | Stage::Intersection
+            | Stage::AnyHit
+            | Stage::ClosestHit
+            | Stage::Miss
+            | Stage::Callable => None,
+        }
+    }
+}
+
+impl From<Runs> for Stage {
+    fn from(runs: Runs) -> Stage {
+        match runs {
+            Runs::Vertex => Stage::Vertex,
+            Runs::Fragment => Stage::Fragment,
+            Runs::Compute => Stage::Compute,
+        }
+    }
+}
+
 /// One shader: what it is called, what it is written in, and its text.
 #[derive(Clone, Debug)]
 pub struct Source {

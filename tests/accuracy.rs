@@ -150,7 +150,7 @@ fn better_is_not_worse_in_any_column_and_better_in_one() {
         |row| row.permitted = Some(Permitted { max_steps: Some(2.5), ..PERMITTED }),
         |row| row.permitted = Some(Permitted { max_steps: None, ..PERMITTED }),
         |row| row.permitted = Some(Permitted { p999_steps: Some(1.5), ..PERMITTED }),
-        |row| row.permitted = Some(Permitted { unsure: 1, ..PERMITTED }),
+        |row| row.permitted = Some(Permitted { unsure: 5, ..PERMITTED }),
         |row| row.errors.flips = Some(40),
         |row| row.errors.differing = Some(1),
         |row| row.errors.non_finite = 1,

@@ -9,7 +9,7 @@
 
 use super::float::{narrow, widen};
 use super::grid::Grid;
-use crate::shape::{Scalar, ScalarKind};
+use crate::shape::{Scalar, ScalarKind, wgsl_scalar};
 
 /// A Rust number as a component of a shader's type.
 pub trait Component: Copy + Sealed {
@@ -120,22 +120,13 @@ pub(crate) fn spelled<T: Value>() -> String {
 
 /// The Rust type that fits a leaf.
 pub(crate) fn wanted(grid: &Grid) -> String {
-    let name = match (grid.scalar.kind, grid.scalar.width) {
-        (ScalarKind::Bool, _) => "bool",
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i32",
-        (ScalarKind::Uint, 1) => "u8",
-        (ScalarKind::Uint, 2) => "u16",
-        (ScalarKind::Uint, 8) => "u64",
-        (ScalarKind::Uint, _) => "u32",
-        (ScalarKind::Float, 8) => "f64",
-        (
-            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
-            _,
-        ) => "f32",
+    let narrow = match grid.scalar.kind {
+        ScalarKind::Float => grid.scalar.width != 8,
+        ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => true,
+        ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint => false,
     };
+    // Rust names the other numbers as WGSL does.
+    let name = if narrow { "f32" } else { wgsl_scalar(grid.scalar) };
     shape_of(name, grid.columns.into(), grid.rows.into())
 }
 

@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::SCHEMA_VERSION;
+use super::device::JsonAsked;
 use super::findings::{ReportFormat, ReportOptions, report};
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
@@ -284,11 +285,8 @@ struct TallyObject {
 
 #[derive(Serialize)]
 struct ReaderObject<'a> {
-    reader: &'a str,
-    adapter: Option<&'a str>,
-    driver: Option<&'a str>,
-    version: Option<&'a str>,
-    software: Option<bool>,
+    #[serde(flatten)]
+    asked: JsonAsked<'a>,
     failure: Option<&'a str>,
     samples: u64,
     samples_per_second: f64,
@@ -482,15 +480,10 @@ fn spread(spread: &Spread) -> SpreadObject {
 }
 
 fn reader_object(reader: &ReaderReport) -> ReaderObject<'_> {
-    let device = reader.device.as_ref();
     let tally = &reader.tally;
     let worst = ["ulp", "steps"].into_iter().zip(&reader.worst);
     ReaderObject {
-        reader: reader.reader,
-        adapter: device.map(|device| device.adapter.as_str()),
-        driver: device.map(|device| device.driver.as_str()),
-        version: device.map(|device| device.version.as_str()),
-        software: device.map(|device| device.software),
+        asked: JsonAsked::new(reader.reader, reader.device.as_ref()),
         failure: reader.failure.as_deref(),
         samples: tally.samples,
         samples_per_second: reader.rate,

@@ -10,10 +10,11 @@ use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
 use super::SCHEMA_VERSION;
+use super::device::JsonAsked;
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use super::words;
-use crate::run::reader::{Device, Failure};
+use crate::run::reader::Device;
 use crate::run::verify::report::{
     Attendance, BlockReport, CompiledRun, ElementReport, Form, Outcome, ReaderReport, ShaderReport,
 };
@@ -279,36 +280,20 @@ impl Counts {
 
 #[derive(Serialize)]
 struct ReaderObject<'a> {
-    reader: &'a str,
-    adapter: Option<&'a str>,
-    driver: Option<&'a str>,
-    version: Option<&'a str>,
-    software: Option<bool>,
+    #[serde(flatten)]
+    asked: JsonAsked<'a>,
     missing: Option<&'a str>,
 }
 
 impl<'a> ReaderObject<'a> {
     fn of(attendance: &'a Attendance) -> ReaderObject<'a> {
-        match attendance {
-            Attendance::Here(Device { reader, adapter, driver, version, software }) => {
-                ReaderObject {
-                    reader,
-                    adapter: Some(adapter),
-                    driver: Some(driver),
-                    version: Some(version),
-                    software: Some(*software),
-                    missing: None,
-                }
+        let (asked, missing) = match attendance {
+            Attendance::Here(device) => (JsonAsked::new(device.reader, Some(device)), None),
+            Attendance::Missing { reader, failure } => {
+                (JsonAsked::new(reader, None), Some(failure.message.as_str()))
             }
-            Attendance::Missing { reader, failure: Failure { message, .. } } => ReaderObject {
-                reader,
-                adapter: None,
-                driver: None,
-                version: None,
-                software: None,
-                missing: Some(message),
-            },
-        }
+        };
+        ReaderObject { asked, missing }
     }
 }
 

@@ -13,7 +13,7 @@ use rustc_hash::FxHashMap;
 use super::wgsl;
 use crate::layout::{BlockLayout, Leaf, MOST_LEAVES, NagaPlace};
 use crate::shape::{AddressSpace, ArrayLen};
-use crate::source::{Language, Source, Span, Stage};
+use crate::source::{Language, Runs, Source, Span, Stage};
 
 /// naga recurses on nested brackets without a bound of its own; deeper text is not handed to it.
 const DEEPEST_BRACKETS: u32 = 64;
@@ -85,23 +85,10 @@ fn glsl_module(text: &str, stage: Option<Stage>) -> Option<Module> {
 }
 
 fn glsl_whole(text: &str, stage: Option<Stage>, defines: &[(String, String)]) -> Option<Module> {
-    let stage = match stage {
-        Some(Stage::Vertex) | None => naga::ShaderStage::Vertex,
-        Some(Stage::Fragment) => naga::ShaderStage::Fragment,
-        Some(Stage::Compute) => naga::ShaderStage::Compute,
-        Some(
-            Stage::TessellationControl
-            | Stage::TessellationEvaluation
-            | Stage::Geometry
-            | Stage::Task
-            | Stage::Mesh
-            | Stage::RayGeneration
-            | Stage::Intersection
-            | Stage::AnyHit
-            | Stage::ClosestHit
-            | Stage::Miss
-            | Stage::Callable,
-        ) => return None,
+    let stage = match stage.map_or(Some(Runs::Vertex), Runs::of)? {
+        Runs::Vertex => naga::ShaderStage::Vertex,
+        Runs::Fragment => naga::ShaderStage::Fragment,
+        Runs::Compute => naga::ShaderStage::Compute,
     };
     let mut options = naga::front::glsl::Options::from(stage);
     options.defines.extend(defines.iter().cloned());

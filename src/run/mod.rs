@@ -24,6 +24,7 @@ mod limits;
 pub mod module;
 pub mod probe;
 pub mod processor;
+mod reach;
 pub mod reader;
 pub mod reflection;
 #[cfg(any(feature = "gl", feature = "gpu"))]

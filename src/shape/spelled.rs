@@ -103,7 +103,8 @@ fn wgsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     }
 }
 
-fn wgsl_scalar(scalar: Scalar) -> &'static str {
+/// A scalar as WGSL names it, or would.
+pub(crate) fn wgsl_scalar(scalar: Scalar) -> &'static str {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => "bool",
         (ScalarKind::Sint, 1) => "i8",

@@ -52,8 +52,8 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
         numbers(ea.p999_ulp, eb.p999_ulp),
         permitted(|permitted| permitted.max_steps),
         permitted(|permitted| permitted.p999_steps),
-        permitted(|permitted| Some(permitted.unsure as f64)),
-        ea.flips.zip(eb.flips).map_or(Verdict::Same, |(a, b)| flips(a, b)),
+        counts(a.permitted.map(|p| p.unsure), b.permitted.map(|p| p.unsure)),
+        counts(ea.flips, eb.flips),
         numbers(whole(ea.differing), whole(eb.differing)),
         numbers(Some(ea.non_finite as f64), Some(eb.non_finite as f64)),
         evaluations(&a.work, &b.work),
@@ -97,9 +97,11 @@ fn evaluations(a: &Work, b: &Work) -> Verdict {
     }
 }
 
-/// Flips are a sample: so many of other fragments would differ by the root of their number.
-fn flips(a: u64, b: u64) -> Verdict {
-    let spread = ((a + b) as f64).sqrt();
+/// How many of a sample: so many of other fragments would differ by the root of their number, and
+/// apart are what twice that does not explain.
+fn counts(a: Option<u64>, b: Option<u64>) -> Verdict {
+    let (Some(a), Some(b)) = (a, b) else { return Verdict::Same };
+    let spread = 2.0 * ((a + b) as f64).sqrt();
     match a as f64 - b as f64 {
         apart if apart < -spread => Verdict::Better,
         apart if apart > spread => Verdict::Worse,

@@ -5,8 +5,8 @@ use serde_json::Value;
 use super::arguments::{Misfit, words};
 use crate::run::Module;
 use crate::run::eval::{FunctionSignature, Program, Words};
-use crate::run::module::{Direction, FunctionInfo};
-use crate::source::Language;
+use crate::run::module::{Direction, FunctionInfo, Parameter};
+use crate::source::{Language, Span};
 
 /// The function that is meant, and its arguments as words.
 #[derive(Debug)]
@@ -25,20 +25,13 @@ pub(super) fn find<'m>(
     arguments: &[Value],
     language: Language,
 ) -> Result<Found<'m>, Misfit> {
-    let (name, types) = match meant.split_once('(') {
-        Some((name, types)) => (name.trim(), Some(bare(types.trim().trim_end_matches(')')))),
-        None => (meant.trim(), None),
-    };
-    let named: Vec<&FunctionInfo> = module.functions().iter().filter(|f| f.name == name).collect();
+    let Meant { name, named, fitting } = Meant::of(module, meant);
     if named.is_empty() {
         return Err(unknown(module, name));
     }
-    let fits =
-        |info: &&FunctionInfo| types.as_ref().is_none_or(|types| bare(&listed(info)) == *types);
-    let meant: Vec<&FunctionInfo> = named.iter().copied().filter(fits).collect();
     let mut wrong = None;
     let mut found = Vec::new();
-    for info in &meant {
+    for info in &fitting {
         match taken(program, info, arguments, language) {
             Ok(taken) => found.push(taken),
             // Of several, the one of as many parameters says best what is wrong.
@@ -46,25 +39,19 @@ pub(super) fn find<'m>(
             Err(_) => {}
         }
     }
-    let all =
-        || named.iter().map(|info| format!("`{}`", shown(info))).collect::<Vec<_>>().join(", ");
     match (found.len(), wrong) {
         (1, _) => Ok(found.swap_remove(0)),
-        (0, Some(misfit)) if meant.len() == 1 => Err(misfit),
+        (0, Some(misfit)) if fitting.len() == 1 => Err(misfit),
         (0, Some(misfit)) => Err(Misfit {
             code: "no-overload",
             message: format!("no `{name}` takes these arguments: {}", misfit.message),
-            help: Some(format!("there is {}", all())),
+            help: Some(format!("there is {}", all_of(&named))),
         }),
-        (0, None) => Err(Misfit {
-            code: "unknown-function",
-            message: format!("no function `{name}` has these parameters"),
-            help: Some(format!("there is {}", all())),
-        }),
+        (0, None) => Err(no_such_parameters(name, &named)),
         (_, _) => Err(Misfit {
             code: "ambiguous-function",
             message: format!("{} functions `{name}` take these arguments", found.len()),
-            help: Some(format!("say which with its types: {}", all())),
+            help: Some(format!("say which with its types: {}", all_of(&named))),
         }),
     }
 }
@@ -82,12 +69,8 @@ fn taken<'m>(
         cannot(format!("`{shown}` cannot be called: the evaluator does not know {what}"))
     })?;
     let Some(signature) = signature else {
-        let words = ["sampler", "texture", "image"];
-        let opaque = info.parameters.iter().find(|p| words.iter().any(|w| p.ty.contains(w)));
-        let which = opaque.map_or("a parameter is no".to_string(), |p| {
-            format!("`{}` is a `{}`, which is no", p.name, p.ty)
-        });
-        return Err(cannot(format!("`{}` cannot be called: {which} plain value", shown(info)))
+        let (shown, which) = (shown(info), opaque(info));
+        return Err(cannot(format!("`{shown}` cannot be called: {which} plain value"))
             .with_help("call the function that calls it"));
     };
     let is_out =
@@ -130,6 +113,88 @@ fn taken<'m>(
         arguments.push(flat.into_iter().map(|word| vec![word]).collect());
     }
     Ok(Found { info, signature, arguments })
+}
+
+/// Which parameter is not a plain value: a sentence that lacks its last words.
+pub(super) fn opaque(info: &FunctionInfo) -> String {
+    let words = ["sampler", "texture", "image"];
+    let opaque = info.parameters.iter().find(|p| words.iter().any(|w| p.ty.contains(w)));
+    opaque.map_or("a parameter is no".to_string(), |p| {
+        format!("`{}` is a `{}`, which is no", p.name, p.ty)
+    })
+}
+
+/// The function of that name, whatever its arguments; an entry point of WGSL as a function.
+pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, Misfit> {
+    let Meant { name, named, fitting } = Meant::of(module, meant);
+    match (&fitting[..], named.len()) {
+        ([one], _) => Ok((*one).clone()),
+        ([], 0) => {
+            let called = entry_as_function(module, name);
+            called.ok_or_else(|| unknown(module, name))
+        }
+        ([], _) => Err(no_such_parameters(name, &named)),
+        (_, several) => Err(Misfit {
+            code: "ambiguous-function",
+            message: format!("{several} functions are named `{name}`"),
+            help: Some(format!("say which with its types: {}", all_of(&named))),
+        }),
+    }
+}
+
+/// The functions of a name, and those of them that have the types that were said.
+struct Meant<'m, 'a> {
+    name: &'a str,
+    named: Vec<&'m FunctionInfo>,
+    fitting: Vec<&'m FunctionInfo>,
+}
+
+impl<'m, 'a> Meant<'m, 'a> {
+    fn of(module: &'m Module, meant: &'a str) -> Meant<'m, 'a> {
+        let (name, types) = match meant.split_once('(') {
+            Some((name, types)) => (name.trim(), Some(bare(types.trim().trim_end_matches(')')))),
+            None => (meant.trim(), None),
+        };
+        let named: Vec<&FunctionInfo> =
+            module.functions().iter().filter(|f| f.name == name).collect();
+        let fits =
+            |info: &&FunctionInfo| types.as_ref().is_none_or(|types| bare(&listed(info)) == *types);
+        let fitting = named.iter().copied().filter(fits).collect();
+        Meant { name, named, fitting }
+    }
+}
+
+fn no_such_parameters(name: &str, named: &[&FunctionInfo]) -> Misfit {
+    Misfit {
+        code: "unknown-function",
+        message: format!("no function `{name}` has these parameters"),
+        help: Some(format!("there is {}", all_of(named))),
+    }
+}
+
+fn all_of(named: &[&FunctionInfo]) -> String {
+    named.iter().map(|info| format!("`{}`", shown(info))).collect::<Vec<_>>().join(", ")
+}
+
+/// An entry point of WGSL as a function that takes what its stage gives it.
+fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
+    let entry = module.ir.entry_points.iter().find(|entry| entry.name == name)?;
+    let mut function = entry.function.clone();
+    function.name = Some(format!("{name}_called"));
+    function.arguments.iter_mut().for_each(|argument| argument.binding = None);
+    if let Some(result) = &mut function.result {
+        result.binding = None;
+    }
+    let parameters = function.arguments.iter().map(|argument| Parameter {
+        name: argument.name.clone().unwrap_or_default(),
+        ty: module.ir.types[argument.ty].name.clone().unwrap_or_default(),
+        direction: Direction::In,
+    });
+    let parameters = parameters.collect();
+    let returns = function.result.as_ref().map(|_| String::new());
+    let handle = module.ir.functions.append(function, naga::Span::UNDEFINED);
+    let (name, span) = (name.to_string(), Span::default());
+    Some(FunctionInfo { name, parameters, returns, span, handle })
 }
 
 /// What to say of a function that is not there.

@@ -9,6 +9,9 @@ pub mod driven;
 mod driver;
 mod effects;
 mod find;
+mod globals;
+mod make;
+mod parameters;
 pub mod pure;
 mod reads;
 pub(crate) mod report;
@@ -22,10 +25,9 @@ use self::find::Found;
 pub use self::report::{CallReport, Given, GivenScalar};
 use super::bound::{self, Data};
 use super::eval::{Call, Called, Cpu, FunctionSignature, Precision, Program, Settings, Words};
-use super::glsl::reach;
 use super::module::Direction;
 use super::reader::{Failure, Reader};
-use super::{Module, verify};
+use super::{Module, reach, verify};
 use crate::source::{Files, Source};
 use crate::{Diagnostic, Options, Severity};
 
@@ -284,10 +286,9 @@ impl Job<'_> {
     }
 
     fn assumed_inputs(&self, caller: &Caller, found: &Found<'_>, notes: &mut Vec<String>) {
-        let reached = reach::variables(&self.module.ir, found.info.handle);
-        let mut names: Vec<&str> = self
-            .module
-            .ir
+        let ir = &self.module.ir;
+        let reached = reach::variables(ir, &ir.functions[found.info.handle]);
+        let mut names: Vec<&str> = ir
             .global_variables
             .iter()
             .filter(|(handle, _)| reached.contains(handle))

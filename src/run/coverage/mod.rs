@@ -1,11 +1,11 @@
 //! Which bytes of its blocks a shader never reads.
 //!
-//! Takes a shader's text. What no instruction could load is certain (`reach`); beyond that the
+//! Takes a shader's text. What no instruction could load is certain (`loads`); beyond that the
 //! shader's own entry points are run by the evaluator over a small grid, with the contents of
 //! its blocks given or made up, and what they read is noted. Feeds `landfall verify --coverage`.
 
 pub(super) mod fill;
-mod reach;
+mod loads;
 
 use std::time::{Duration, Instant};
 
@@ -16,12 +16,11 @@ use super::bound::{self, Data};
 use super::eval::{Cpu, Invocations, Port, Program, Settings};
 use super::module::{EntryPoint, Module, ModuleBlock};
 use super::reader::{Failure, Grid, Job, Reader, Resource, StageCode};
-use super::runs::Runs;
 use super::verify;
 use crate::layout::{BlockLayout, Leaf};
 use crate::run::probe::plan::{LARGEST_BUFFER, TAIL};
 use crate::shape::{ArrayLen, Type};
-use crate::source::{Source, Stage};
+use crate::source::{Runs, Source, Stage};
 use crate::{Diagnostic, Options};
 
 /// Invocations of a vertex or fragment stage that are run: 16 quads.
@@ -130,7 +129,7 @@ pub fn coverage(
         }
     }
     let sizes: Vec<usize> = read.iter().map(Vec::len).collect();
-    let loadable = reach::loadable(&module, &sizes);
+    let loadable = loads::loadable(&module, &sizes);
     let blocks = module.blocks().iter().zip(read).zip(loadable);
     Ok(merged(blocks.map(|((block, read), loadable)| judged(block, &read, &loadable)), failures))
 }

@@ -12,7 +12,7 @@ use naga::{
 
 use super::{ATLAS, Input, InputKind};
 use crate::Diagnostic;
-use crate::run::Module;
+use crate::run::{Module, reach};
 
 /// A fragment entry point that reads a texture.
 pub(super) struct Fetching {
@@ -121,32 +121,14 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
 
 /// Whether the entry point may discard, and whether it takes derivatives.
 fn reaches(module: &Module, entry: &EntryPoint) -> (bool, bool) {
-    let ir = &module.ir;
-    let (mut kills, mut differences) = (false, false);
-    let mut seen = vec![false; ir.functions.len()];
-    let mut open: Vec<&Function> = vec![&entry.function];
-    while let Some(function) = open.pop() {
-        differences |=
-            function.expressions.iter().any(|(_, e)| matches!(e, Expression::Derivative { .. }));
-        let mut blocks = vec![&function.body];
-        while let Some(block) = blocks.pop() {
-            for statement in block {
-                match statement {
-                    Statement::Kill => kills = true,
-                    Statement::Call { function, .. } => {
-                        let known = std::mem::replace(&mut seen[function.index()], true);
-                        open.extend((!known).then(|| &ir.functions[*function]));
-                    }
-                    Statement::Block(inner) => blocks.push(inner),
-                    Statement::If { accept, reject, .. } => blocks.extend([accept, reject]),
-                    Statement::Switch { cases, .. } => blocks.extend(cases.iter().map(|c| &c.body)),
-                    Statement::Loop { body, continuing, .. } => blocks.extend([body, continuing]),
-                    _ => {}
-                }
-            }
-        }
-    }
-    (kills, differences)
+    let functions = reach::functions(&module.ir, &entry.function);
+    let kills = |function: &&Function| {
+        reach::statements(&function.body).any(|statement| matches!(statement, Statement::Kill))
+    };
+    let differs = |function: &&Function| {
+        function.expressions.iter().any(|(_, e)| matches!(e, Expression::Derivative { .. }))
+    };
+    (functions.iter().any(kills), functions.iter().any(differs))
 }
 
 fn rebuilt(

@@ -13,11 +13,11 @@ use super::ast::Qualifiers;
 use super::body::{Body, Val};
 use super::place::{Index, Mem, Place};
 use super::types::{Kind, Ty};
-use super::{Lowerer, R, reach, refuse};
+use super::{Lowerer, R, refuse};
 use crate::parse::glsl::lexer::Token;
 use crate::run::module::EntryInterface;
-use crate::run::runs::Runs;
-use crate::source::{Span, Stage};
+use crate::run::reach;
+use crate::source::{Runs, Span, Stage};
 
 /// Inputs or outputs of one shader at most.
 const MOST_LOCATIONS: u32 = 1024;
@@ -154,7 +154,7 @@ impl Lowerer<'_> {
         let (mut inputs, mut outputs) = (self.slots(false)?, self.slots(true)?);
         let initialisers = std::mem::take(&mut self.initialisers);
         if initialisers.is_empty() {
-            let reached = reach::variables(&self.ir, main);
+            let reached = reach::variables(&self.ir, &self.ir.functions[main]);
             let position =
                 |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
             inputs.retain(|slot| reached.contains(&self.io[slot.io].variable));

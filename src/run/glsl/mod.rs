@@ -31,7 +31,6 @@ mod parse_statement;
 mod place;
 mod precision;
 mod predeclared;
-pub(super) mod reach;
 mod statement;
 mod texture;
 mod types;

@@ -22,8 +22,7 @@ use super::device::Open;
 use super::{needs, spirv};
 use crate::run::Module;
 use crate::run::reader::{Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel};
-use crate::run::runs::Runs;
-use crate::source::Stage;
+use crate::source::{Runs, Stage};
 
 /// The pipelines of one device.
 #[derive(Default)]

@@ -11,7 +11,7 @@ use super::memory::Value;
 use super::specular::Power;
 use super::{Access, Found, Setting};
 use crate::light::roles::Held;
-use crate::run::Module;
+use crate::run::{Module, reach};
 use crate::source::Language;
 
 /// Expressions a shader may come to, calls inlined and loops run twice.
@@ -97,7 +97,9 @@ pub fn follow(module: &Module, lights: &[Held<'_>], setting: Setting) -> Found {
         walk.root(&entry.function, true);
     }
     if walk.ir.entry_points.is_empty() {
-        let called = called(walk.ir);
+        let functions = walk.ir.functions.iter();
+        let called: FxHashSet<Handle<Function>> =
+            functions.flat_map(|(_, function)| reach::calls(function)).collect();
         for (handle, function) in walk.ir.functions.iter() {
             if !called.contains(&handle) {
                 walk.root(function, false);
@@ -105,34 +107,6 @@ pub fn follow(module: &Module, lights: &[Held<'_>], setting: Setting) -> Found {
         }
     }
     walk.judged()
-}
-
-fn called(ir: &naga::Module) -> FxHashSet<Handle<Function>> {
-    fn visit(block: &Block, called: &mut FxHashSet<Handle<Function>>) {
-        for statement in block {
-            match statement {
-                Statement::Call { function, .. } => {
-                    called.insert(*function);
-                }
-                Statement::Block(inner) => visit(inner, called),
-                Statement::If { accept, reject, .. } => {
-                    visit(accept, called);
-                    visit(reject, called);
-                }
-                Statement::Loop { body, continuing, .. } => {
-                    visit(body, called);
-                    visit(continuing, called);
-                }
-                Statement::Switch { cases, .. } => {
-                    cases.iter().for_each(|case| visit(&case.body, called));
-                }
-                _ => {}
-            }
-        }
-    }
-    let mut called_ones = FxHashSet::default();
-    ir.functions.iter().for_each(|(_, function)| visit(&function.body, &mut called_ones));
-    called_ones
 }
 
 impl<'m> Walk<'m> {

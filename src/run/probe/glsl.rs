@@ -8,9 +8,8 @@ use std::fmt::Write as _;
 use super::plan::{Plan, Read, Way, top_member};
 use super::words;
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
-use crate::run::runs::Runs;
 use crate::shape::{Scalar, ScalarKind, Type};
-use crate::source::{Language, Source};
+use crate::source::{Language, Runs, Source};
 
 /// The storage block that holds the indices and takes the words.
 pub(crate) const RESULTS: &str = "LandfallWords";

@@ -9,9 +9,8 @@ use super::glsl::{Group, Kind, component, groups, is_structure, kind, path};
 use super::plan::{Plan, Read, Way};
 use super::words;
 use crate::layout::BlockLayout;
-use crate::run::runs::Runs;
 use crate::shape::{AddressSpace, ScalarKind, Type};
-use crate::source::{Language, Source};
+use crate::source::{Language, Runs, Source};
 
 /// The entry point that is added.
 pub(crate) const ENTRY: &str = "landfall_probe";

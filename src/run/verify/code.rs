@@ -13,9 +13,8 @@ use crate::run::Module;
 use crate::run::probe::plan::Plan;
 use crate::run::probe::{glsl, wgsl};
 use crate::run::reader::{Failure, FailureKind, StageCode};
-use crate::run::runs::Runs;
 use crate::shape::{AddressSpace, ArrayLen, Rules};
-use crate::source::{Language, ReadOptions, Source, Stage};
+use crate::source::{Language, ReadOptions, Runs, Source, Stage};
 use crate::{Diagnostic, Options, layout};
 
 /// Where the results of a probe are bound that goes through naga's own GLSL front end.

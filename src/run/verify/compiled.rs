@@ -16,8 +16,7 @@ use crate::run::coverage::fill::{self, Filling};
 use crate::run::eval::{Port, Program};
 use crate::run::module::{EntryPoint, Module};
 use crate::run::reader::{Failure, Grid, Job, Reader, Resource, StageCode, Texel};
-use crate::run::runs::Runs;
-use crate::source::{Files, Language, Source, Stage};
+use crate::source::{Files, Language, Runs, Source, Stage};
 
 /// The image a fragment stage draws, and the workgroups a compute stage has.
 const SIZE: u32 = 16;

@@ -11,12 +11,12 @@ use super::{
 };
 use crate::buffer::Buffer;
 use crate::layout::BlockLayout;
+use crate::run::bound::kind as buffer_of;
 use crate::run::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::run::probe::{Got, Sighting, cause, judge, words};
 use crate::run::reader::{Failure, FailureKind, Job, Reader, Resource, ResourceKind};
-use crate::run::runs::Runs;
 use crate::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
-use crate::source::{Source, Stage};
+use crate::source::{Runs, Source, Stage};
 
 /// Buffers of one dimension of an array of blocks that are bound at most.
 const MOST_BUFFERS: u32 = 64;
@@ -250,15 +250,6 @@ impl Verifier<'_> {
         plan: &Plan,
         bytes: Vec<u8>,
     ) -> Result<Words, Failure> {
-        let writable = code.writable;
-        let kind = match self.block.space {
-            AddressSpace::Storage => ResourceKind::Storage { bytes, writable },
-            AddressSpace::PushConstant => ResourceKind::PushConstant(bytes),
-            AddressSpace::Uniform
-            | AddressSpace::Default
-            | AddressSpace::BufferReference
-            | AddressSpace::ShaderRecord => ResourceKind::Uniform(bytes),
-        };
         let mut results = Vec::with_capacity(plan.words as usize * 4);
         for index in &plan.indices {
             results.extend_from_slice(&index.to_le_bytes());
@@ -271,7 +262,8 @@ impl Verifier<'_> {
             kind,
         };
         let results = ResourceKind::Storage { bytes: results, writable: true };
-        let mut resources = vec![bound(&code.block, kind), bound(&code.results, results)];
+        let block = buffer_of(self.block, bytes, code.writable);
+        let mut resources = vec![bound(&code.block, block), bound(&code.results, results)];
         if code.stages[0].module.is_none() {
             let others = self.others().into_iter();
             resources.extend(others.filter(|other| other.name != code.block.name));

@@ -19,10 +19,9 @@ use crate::run::call::pure::{Asks, Origin, Pure, Slot};
 use crate::run::eval::ValueType;
 use crate::run::reader::{Failure, Resource, StageCode};
 use crate::run::rewrite::{Builtin, Rewritten, Wanted, rewritten};
-use crate::run::runs::Runs;
 use crate::run::verify::{access, code as texts, every, partner};
 use crate::shape::{AddressSpace, ScalarKind};
-use crate::source::{Language, Source, Stage};
+use crate::source::{Language, Runs, Source, Stage};
 use crate::{Diagnostic, layout};
 
 /// The blocks that hold the words, and their arrays.

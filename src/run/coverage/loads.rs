@@ -6,9 +6,9 @@
 use naga::{
     AddressSpace, Expression, Function, GlobalVariable, Handle, Statement, TypeInner, VectorSize,
 };
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
-use crate::run::Module;
+use crate::run::{Module, reach};
 
 /// By block of the module: whether some instruction could read each byte of a buffer of that size.
 pub(super) fn loadable(module: &Module, sizes: &[usize]) -> Vec<Vec<bool>> {
@@ -17,19 +17,13 @@ pub(super) fn loadable(module: &Module, sizes: &[usize]) -> Vec<Vec<bool>> {
         module.blocks().iter().enumerate().map(|(at, block)| (block.variable, at)).collect();
     let mut walk = Walk { module, numbers, blocks: &mut blocks };
     let ir = &module.ir;
-    let mut open: Vec<Handle<Function>> = Vec::new();
     if ir.entry_points.is_empty() {
         // An include: whoever includes it may call any of it.
-        open.extend(ir.functions.iter().map(|(handle, _)| handle));
+        ir.functions.iter().for_each(|(_, function)| walk.function(function));
     }
     for entry in &ir.entry_points {
-        walk.function(&entry.function, &mut open);
-    }
-    let mut seen = FxHashSet::default();
-    while let Some(handle) = open.pop() {
-        if seen.insert(handle) {
-            walk.function(&ir.functions[handle], &mut open);
-        }
+        let reached = reach::functions(ir, &entry.function);
+        reached.into_iter().for_each(|function| walk.function(function));
     }
     blocks
 }
@@ -50,31 +44,21 @@ struct Part {
 }
 
 impl Walk<'_, '_> {
-    fn function(&mut self, function: &Function, calls: &mut Vec<Handle<Function>>) {
+    fn function(&mut self, function: &Function) {
         for (_, expression) in function.expressions.iter() {
             if let Expression::Load { pointer } = expression {
                 self.mark(function, *pointer);
             }
         }
-        let mut open = vec![&function.body];
-        while let Some(block) = open.pop() {
-            for statement in block {
-                match statement {
-                    Statement::Call { function: callee, arguments, .. } => {
-                        calls.push(*callee);
-                        // What a callee reads through a pointer is not followed.
-                        arguments.iter().for_each(|argument| self.mark(function, *argument));
-                    }
-                    Statement::Atomic { pointer, .. }
-                    | Statement::WorkGroupUniformLoad { pointer, .. } => {
-                        self.mark(function, *pointer);
-                    }
-                    Statement::Block(inner) => open.push(inner),
-                    Statement::If { accept, reject, .. } => open.extend([accept, reject]),
-                    Statement::Switch { cases, .. } => open.extend(cases.iter().map(|c| &c.body)),
-                    Statement::Loop { body, continuing, .. } => open.extend([body, continuing]),
-                    _ => {}
+        for statement in reach::statements(&function.body) {
+            match statement {
+                // What a callee reads through a pointer is not followed.
+                Statement::Call { arguments, .. } => {
+                    arguments.iter().for_each(|argument| self.mark(function, *argument));
                 }
+                Statement::Atomic { pointer, .. }
+                | Statement::WorkGroupUniformLoad { pointer, .. } => self.mark(function, *pointer),
+                _ => {}
             }
         }
     }

@@ -1,0 +1,230 @@
+//! Makes a function of a shader pure: refuses what cannot be sampled, turns blocks into
+//! parameters, and binds what stays fixed.
+//!
+//! Made of a [`Module`]; gives [`pure`](super::pure) all it holds.
+
+use naga::{AddressSpace, GlobalVariable, Handle};
+use rustc_hash::FxHashSet;
+
+use super::arguments::Misfit;
+use super::caller::{self, Caller};
+use super::effects::{Seen, look, through_initialisers};
+use super::find::{alone, opaque, shown};
+use super::globals::through_arguments;
+use super::parameters::{Known, Listed, list};
+use super::pure::{Asks, Pure, PureRequest};
+use super::{finding, reads};
+use crate::run::bound::{self, Data};
+use crate::run::eval::{Program, ValueType};
+use crate::run::{Module, reach, verify};
+use crate::source::Source;
+use crate::{Diagnostic, Options};
+
+/// Scalars a block may have to become parameters; larger ones stay buffers.
+const SCALARS: usize = 4096;
+
+/// A block whose members become parameters.
+pub(super) struct Sampled {
+    /// Which of the module's.
+    pub number: usize,
+    pub variable: Handle<GlobalVariable>,
+    pub members: Vec<SampledMember>,
+}
+
+pub(super) struct SampledMember {
+    pub name: String,
+    pub ty: ValueType,
+    pub read: bool,
+}
+
+/// The function as one that depends on its parameters alone.
+pub(super) fn make(
+    source: &Source,
+    options: &Options,
+    mut module: Module,
+    request: &PureRequest,
+    asks: Asks,
+) -> Result<Pure, Box<Diagnostic>> {
+    let (language, path) = (source.language, source.path.as_str());
+    let refuse = |m: Misfit| Box::new(finding(m.code, m.message, m.help, path));
+    let info = alone(&mut module, &request.function).map_err(refuse)?;
+    let shown = shown(&info);
+    let cannot = |Why { what, help }: Why| {
+        let message = format!("`{shown}` cannot be sampled: {what}");
+        let help = (!help.is_empty()).then(|| help.to_string());
+        refuse(Misfit { code: "cannot-call", message, help })
+    };
+    let target = &module.ir.functions[info.handle];
+    let mut reached = reach::variables(&module.ir, target);
+    let seen = look(&module.ir, target);
+    if asks == Asks::Pure {
+        of_its_own_lane(&module, &seen).map_err(cannot)?;
+    }
+    let private = |(handle, variable): (Handle<GlobalVariable>, &GlobalVariable)| {
+        let written = variable.space == AddressSpace::Private && seen.stored.contains(&handle);
+        written.then_some(handle)
+    };
+    // What a function returns is its result; one that returns nothing gives what it writes.
+    let written: Vec<Handle<GlobalVariable>> = match info.returns {
+        Some(_) => Vec::new(),
+        None => module.ir.global_variables.iter().filter_map(private).collect(),
+    };
+    let Caller { mut module, inputs } =
+        caller::caller(&module, info.handle).map_err(|mut all| Box::new(all.swap_remove(0)))?;
+    through_initialisers(&module.ir, &mut reached);
+    let mut notes = Vec::new();
+    let blocks = sampled(&module, &reached, &request.data, &mut notes);
+    let read_inputs = inputs.iter().map(|name| is_reached(&module, &reached, name)).collect();
+    through_arguments(&mut module, &blocks, &written);
+    let bytes = bound::blocks(&module, &request.data, bound::zeros)?;
+    let files = module.files().clone();
+    let writable = |block: &_| verify::access::writable(block, &files, language);
+    let resources = bound::resources(&module, bytes, writable, &request.textures);
+    let module = module.validated().map_err(|mut all| Box::new(all.swap_remove(0)))?;
+    let program = Program::rounded(&module, &[], request.floats);
+    let signature = match program.signature(module.ir.functions.len() - 1) {
+        Ok(Some(signature)) => signature,
+        Ok(None) => {
+            let what = format!("{} plain value", opaque(&info));
+            return Err(cannot(Why { what, help: "name the function that calls it" }));
+        }
+        Err(what) => {
+            let what = format!("the evaluator does not know {what}");
+            return Err(cannot(Why { what, help: "" }));
+        }
+    };
+    let given = inputs.iter().cloned().zip(signature.parameters.iter().map(|p| p.ty.clone()));
+    let given = given.collect();
+    let known = Known {
+        module: &module,
+        language,
+        inputs: &inputs,
+        read_inputs,
+        info: &info,
+        blocks: &blocks,
+    };
+    let Listed { parameters, slots, results } = list(&known, &signature);
+    if asks == Asks::Pure && results.is_empty() {
+        let what = "it gives nothing back".to_string();
+        let help =
+            "name a function that returns something, has an `out` parameter or writes a global";
+        return Err(cannot(Why { what, help }));
+    }
+    notes.extend(white(&module, &reached, &request.textures));
+    Ok(Pure {
+        shown,
+        name_span: Some(info.span),
+        parameters,
+        results,
+        notes,
+        files,
+        language,
+        program,
+        resources,
+        slots,
+        data: request.data.clone(),
+        textures: request.textures.clone(),
+        module,
+        info,
+        inputs: given,
+        source: source.clone(),
+        options: options.clone(),
+        asks,
+    })
+}
+
+/// Why a function cannot be sampled, and what to do.
+struct Why {
+    what: String,
+    help: &'static str,
+}
+
+/// That what a function does is of its own lane.
+fn of_its_own_lane(module: &Module, seen: &Seen) -> Result<(), Why> {
+    if seen.derivatives {
+        return Err(Why {
+            what: "it takes derivatives, which samples do not have".to_string(),
+            help: "name the function that is given what they depend on",
+        });
+    }
+    let buffer = seen
+        .stored
+        .iter()
+        .map(|handle| &module.ir.global_variables[*handle])
+        .find(|v| matches!(v.space, AddressSpace::Storage { .. } | AddressSpace::WorkGroup));
+    if let Some(variable) = buffer {
+        let name = variable.name.as_deref().unwrap_or_default();
+        return Err(Why {
+            what: format!("it writes the buffer `{name}`"),
+            help: "name a function that returns what is to be written",
+        });
+    }
+    if seen.barriers {
+        return Err(Why { what: "it waits for other invocations".to_string(), help: "" });
+    }
+    Ok(())
+}
+
+/// The blocks whose members become parameters: those that are reached and not given.
+fn sampled(
+    module: &Module,
+    reached: &FxHashSet<Handle<GlobalVariable>>,
+    data: &Data,
+    notes: &mut Vec<String>,
+) -> Vec<Sampled> {
+    let caller = module.ir.functions.iter().last().expect("the caller was appended").1;
+    let read = reads::members(&module.ir, caller);
+    let mut blocks = Vec::new();
+    let mut shared = FxHashSet::default();
+    for (number, block) in module.blocks.iter().enumerate() {
+        let variable = block.variable;
+        if !reached.contains(&variable) || !shared.insert(variable) {
+            continue;
+        }
+        if bound::given(data, block).is_some() {
+            continue;
+        }
+        let name = &block.layout.name;
+        let ty = ValueType::of(module, module.ir.global_variables[variable].ty);
+        let Some(ValueType::Struct { members, .. }) = ty else {
+            notes.push(format!(
+                "`{name}` is no structure of a known size: it is zero, --data gives values"
+            ));
+            continue;
+        };
+        let scalars: usize = members.iter().map(|(_, ty)| ty.scalars().len()).sum();
+        if scalars > SCALARS {
+            notes.push(format!("`{name}` has {scalars} scalars: it is zero, --data gives values"));
+            continue;
+        }
+        let reads = |member: u32| {
+            let members = read.get(&variable);
+            members.is_some_and(|members| members.as_ref().is_none_or(|all| all.contains(&member)))
+        };
+        let members = (0..).zip(members);
+        let members = members.map(|(nth, (name, ty))| SampledMember { name, ty, read: reads(nth) });
+        blocks.push(Sampled { number, variable, members: members.collect() });
+    }
+    blocks
+}
+
+/// Whether an input of the stage is reached, by its name.
+fn is_reached(module: &Module, reached: &FxHashSet<Handle<GlobalVariable>>, name: &str) -> bool {
+    let root = name.split(['.', '[']).next().unwrap_or(name);
+    reached.iter().any(|v| module.ir.global_variables[*v].name.as_deref() == Some(root))
+}
+
+/// What to say of textures that are reached and have no colour.
+fn white(
+    module: &Module,
+    reached: &FxHashSet<Handle<GlobalVariable>>,
+    textures: &[(String, [f32; 4])],
+) -> Option<String> {
+    let handles = module.handles().iter().filter(|handle| reached.contains(&handle.variable));
+    let paths = handles.map(|handle| handle.path.as_str());
+    let given = |path: &&str| textures.iter().any(|(name, _)| path.starts_with(name.as_str()));
+    let mut white: Vec<&str> = paths.filter(|path| !given(path)).collect();
+    white.dedup();
+    let names = white.join("`, `");
+    (!white.is_empty()).then(|| format!("`{names}` is white: --texture gives a colour"))
+}
