@@ -104,7 +104,7 @@ fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
     for reader in ["cpu", "gl", "gpu"] {
         let text = ran(&path, &["--fn", "lit", "--args", light, "--reader", reader]);
         assert_eq!(row(&text, "result.z")[0], "6.0", "{reader}");
-        assert!(text.contains("it reads `v_normal`, which are zero"), "{text}");
+        assert!(text.contains("it reads `v_normal`, which is zero"), "{text}");
     }
     for reader in ["cpu", "gl", "gpu"] {
         let input = ["--input", "v_normal=[0, 0, 0.5]", "--reader", reader];
@@ -194,4 +194,67 @@ fn wgsl_pointers_come_back() {
     }
     let said = refused(&path, &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--reader", "gl"]);
     assert!(said.contains("OpenGL takes no WGSL"), "{said}");
+}
+
+#[test]
+fn a_call_by_itself_has_no_neighbours_to_differ_from() {
+    let text = "#version 330
+in vec2 uv;
+out vec4 colour;
+float slope(float a, float b) { return dFdx(a) + dFdy(b) + fwidth(uv.x) + 5.0; }
+void main() { colour = vec4(slope(uv.x, uv.y)); }
+";
+    let path = shader("slope.frag", text);
+    for reader in ["cpu", "gl", "gpu"] {
+        let call = ["--fn", "slope", "--args", "[3, 7]", "--input", "uv=[3, 7]"];
+        let text = ran(&path, &[&call[..], &["--reader", reader]].concat());
+        assert_eq!(row(&text, "result")[0], "5.0", "{reader}");
+    }
+}
+
+#[test]
+fn a_function_that_does_not_run_is_named_with_its_reason_and_line() {
+    let text = "#version 330
+out vec4 colour;
+float again(float x) { return x < 1.0 ? x : again(x - 1.0); }
+float through(float x) { return 2.0 * again(x); }
+float loose(float x) { return x * undeclared; }
+void main() { colour = vec4(1.0); }
+";
+    let path = shader("left_out.frag", text);
+    for (function, words) in [
+        ("again", "`again` cannot run: `again` calls itself"),
+        ("through", "`through` cannot run: `again` calls itself"),
+        ("loose", "`loose` cannot run: "),
+    ] {
+        let said = refused(&path, &["--fn", function, "--args", "[3]"]);
+        assert!(said.contains("error[cannot-call]") && said.contains(words), "{said}");
+        assert!(said.contains("left_out.frag:"), "{said}");
+    }
+    let said = refused(&path, &["--fn", "loose", "--args", "[3]"]);
+    assert!(said.contains("`undeclared`") && said.contains("left_out.frag:5"), "{said}");
+}
+
+#[test]
+fn a_texture_is_given_its_own_colour_and_not_that_of_a_longer_name() {
+    let text = "#version 330
+uniform sampler2D a;
+uniform sampler2D ab;
+out vec4 colour;
+vec4 both(vec2 uv) { return texture(a, uv) + texture(ab, uv); }
+void main() { colour = both(vec2(0)); }
+";
+    let path = shader("two_textures.frag", text);
+    for command in ["run", "stress"] {
+        let mut landfall = Command::new(env!("CARGO_BIN_EXE_landfall"));
+        landfall.arg(command).arg(&path).args(["--fn", "both", "--texture", "a=[0, 0, 0, 1]"]);
+        match command {
+            "run" => landfall.args(["--args", "[[0, 0]]"]),
+            _ => landfall.args(["--samples", "256"]),
+        };
+        let output = landfall.env("NO_COLOR", "1").output().unwrap();
+        let said =
+            String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains("`ab` is white"), "{command}: {said}");
+    }
 }

@@ -136,16 +136,16 @@ pub(super) fn kind(block: &BlockLayout, mut bytes: Vec<u8>, writable: bool) -> R
     }
 }
 
-/// The colour a texture is given, by its name or by that of the array it is in.
-pub(super) fn colour(textures: &[(String, [f32; 4])], path: &str) -> [f32; 4] {
+/// The colour a texture is given, if any, by its name or by that of the array it is in.
+pub(super) fn colour(textures: &[(String, [f32; 4])], path: &str) -> Option<[f32; 4]> {
     let named = |name: &str| {
         let rest = path.strip_prefix(name);
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
     };
-    textures.iter().find(|(name, _)| named(name)).map_or(WHITE, |(_, colour)| *colour)
+    textures.iter().find(|(name, _)| named(name)).map(|(_, colour)| *colour)
 }
 
-/// A texture of one texel.
-pub(super) fn texture(colour: [f32; 4]) -> ResourceKind {
-    ResourceKind::Texture { width: 1, height: 1, texels: vec![colour] }
+/// A texture of one texel, white if no colour is given.
+pub(super) fn texture(colour: Option<[f32; 4]>) -> ResourceKind {
+    ResourceKind::Texture { width: 1, height: 1, texels: vec![colour.unwrap_or(WHITE)] }
 }

@@ -32,7 +32,7 @@ pub struct Module {
     functions: Vec<FunctionInfo>,
     inputs: Vec<EntryInterface>,
     outputs: Vec<EntryInterface>,
-    left_out: Vec<Diagnostic>,
+    left_out: Vec<LeftOut>,
     pub(crate) locals: Locals,
     /// The expressions that need no more than `mediump`, by their spans in naga's numbering.
     pub(crate) reduced: FxHashSet<(u32, u32)>,
@@ -104,6 +104,15 @@ pub struct EntryInterface {
     pub name: String,
     /// Its location in the module.
     pub location: u32,
+}
+
+/// A function that is not in a module, as it does not run.
+#[derive(Clone, Debug)]
+pub struct LeftOut {
+    /// Its name.
+    pub function: String,
+    /// Why.
+    pub why: Diagnostic,
 }
 
 /// A function of the shader's own.
@@ -251,8 +260,8 @@ impl Module {
         &self.outputs
     }
 
-    /// Why functions that the entry point does not need are not in the module.
-    pub fn left_out(&self) -> &[Diagnostic] {
+    /// Functions that are not in the module, as nothing its entry point needs.
+    pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
 

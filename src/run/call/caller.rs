@@ -15,6 +15,7 @@ pub(super) const NAME: &str = "landfall_call";
 /// A module and what its [`NAME`] takes before the arguments of the function that is called.
 pub(super) struct Caller {
     pub module: Module,
+    pub handle: Handle<Function>,
     /// Names of the shader's inputs, each a parameter.
     pub inputs: Vec<String>,
 }
@@ -40,8 +41,8 @@ pub(super) fn caller(module: &Module, target: Handle<Function>) -> Result<Caller
     let call = Statement::Call { function: target, arguments, result };
     function.body.push(call, Span::UNDEFINED);
     function.body.push(Statement::Return { value: result }, Span::UNDEFINED);
-    module.ir.functions.append(function, Span::UNDEFINED);
-    Ok(Caller { module: module.validated()?, inputs })
+    let handle = module.ir.functions.append(function, Span::UNDEFINED);
+    Ok(Caller { module: module.validated()?, handle, inputs })
 }
 
 /// What GLSL's entry point does before it calls `main`; nothing where there is no `main`.

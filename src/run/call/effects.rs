@@ -13,7 +13,8 @@ pub(super) struct Seen {
     /// Variables it writes.
     pub stored: FxHashSet<Handle<GlobalVariable>>,
     pub derivatives: bool,
-    pub barriers: bool,
+    /// Whether it waits for other invocations, or computes with them.
+    pub together: bool,
 }
 
 /// What a function does.
@@ -26,15 +27,23 @@ pub(super) fn look(ir: &naga::Module, target: &Function) -> Seen {
             match statement {
                 // What a pointer to a variable is given for may be written through it.
                 Statement::Call { arguments, .. } => {
-                    let pointers = arguments.iter().filter(|at| is_pointer(ir, function, **at));
-                    seen.stored.extend(pointers.filter_map(|at| reach::root(function, *at)));
+                    let roots = arguments.iter().filter_map(|at| reach::root(function, *at));
+                    seen.stored.extend(roots.filter(|variable| {
+                        ir.global_variables[*variable].space != AddressSpace::Handle
+                    }));
                 }
-                Statement::Store { pointer, .. } | Statement::Atomic { pointer, .. } => {
+                Statement::Store { pointer, .. }
+                | Statement::Atomic { pointer, .. }
+                | Statement::ImageStore { image: pointer, .. }
+                | Statement::ImageAtomic { image: pointer, .. } => {
                     seen.stored.extend(reach::root(function, *pointer));
                 }
-                Statement::ControlBarrier(_) | Statement::MemoryBarrier(_) => {
-                    seen.barriers = true;
-                }
+                Statement::ControlBarrier(_)
+                | Statement::MemoryBarrier(_)
+                | Statement::WorkGroupUniformLoad { .. }
+                | Statement::SubgroupBallot { .. }
+                | Statement::SubgroupGather { .. }
+                | Statement::SubgroupCollectiveOperation { .. } => seen.together = true,
                 _ => {}
             }
         }
@@ -42,13 +51,13 @@ pub(super) fn look(ir: &naga::Module, target: &Function) -> Seen {
     seen
 }
 
-/// Adds what variables begin with: initialisers are run before the call, by the caller, which is
-/// the last function. All that is read there, where one of them is for a variable that is reached.
+/// Adds what variables begin with: initialisers are run before the call, by the caller. All that is
+/// read there, where one of them is for a variable that is reached.
 pub(super) fn through_initialisers(
     ir: &naga::Module,
+    caller: &Function,
     reached: &mut FxHashSet<Handle<GlobalVariable>>,
 ) {
-    let Some((_, caller)) = ir.functions.iter().last() else { return };
     let written = reach::statements(&caller.body).filter_map(|statement| match statement {
         Statement::Store { pointer, .. } => reach::root(caller, *pointer),
         _ => None,
@@ -67,11 +76,4 @@ pub(super) fn through_initialisers(
     for function in called {
         reached.extend(reach::variables(ir, &ir.functions[function]));
     }
-}
-
-fn is_pointer(ir: &naga::Module, function: &Function, at: Handle<Expression>) -> bool {
-    reach::root(function, at).is_some_and(|variable| {
-        !matches!(ir.global_variables[variable].space, AddressSpace::Handle)
-            && !matches!(function.expressions[at], Expression::Load { .. })
-    })
 }

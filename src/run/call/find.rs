@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::arguments::{Misfit, words};
 use crate::run::Module;
 use crate::run::eval::{FunctionSignature, Program, Words};
-use crate::run::module::{Direction, FunctionInfo, Parameter};
+use crate::run::module::{Direction, FunctionInfo, LeftOut, Parameter};
 use crate::source::{Language, Span};
 
 /// The function that is meant, and its arguments as words.
@@ -70,7 +70,7 @@ fn taken<'m>(
     })?;
     let Some(signature) = signature else {
         let (shown, which) = (shown(info), opaque(info));
-        return Err(cannot(format!("`{shown}` cannot be called: {which} plain value"))
+        return Err(cannot(format!("`{shown}` cannot be called: {which}"))
             .with_help("call the function that calls it"));
     };
     let is_out =
@@ -115,12 +115,12 @@ fn taken<'m>(
     Ok(Found { info, signature, arguments })
 }
 
-/// Which parameter is not a plain value: a sentence that lacks its last words.
+/// Which parameter is no plain value.
 pub(super) fn opaque(info: &FunctionInfo) -> String {
     let words = ["sampler", "texture", "image"];
     let opaque = info.parameters.iter().find(|p| words.iter().any(|w| p.ty.contains(w)));
-    opaque.map_or("a parameter is no".to_string(), |p| {
-        format!("`{}` is a `{}`, which is no", p.name, p.ty)
+    opaque.map_or("a parameter is no plain value".to_string(), |p| {
+        format!("`{}` is a `{}`, which is no plain value", p.name, p.ty)
     })
 }
 
@@ -197,12 +197,15 @@ fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
     Some(FunctionInfo { name, parameters, returns, span, handle })
 }
 
-/// What to say of a function that is not there.
+/// What to say of a function that cannot be called: it is not there, or it does not run.
 pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
+    if let Some(LeftOut { why, .. }) = module.left_out().iter().find(|left| left.function == name) {
+        let place = why.labels.first().map(|label| module.files().locate(label.span));
+        let place = place.map_or(String::new(), |at| format!(", at {}:{}", at.path, at.line));
+        let message = format!("`{name}` cannot run: {}{place}", why.message);
+        return Misfit { code: "cannot-call", message, help: why.help.clone() };
+    }
     let names = || module.functions().iter().map(|function| function.name.as_str());
-    let near = crate::parse::nearest(name, names());
-    let about = |text: &str| text.contains(&format!("`{name}`"));
-    let left_out = module.left_out().iter().find(|found| about(&found.message));
     let all: Vec<String> =
         module.functions().iter().filter(|f| f.name != "main").map(shown).collect();
     let list = match all.is_empty() {
@@ -212,10 +215,9 @@ pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
     Misfit {
         code: "unknown-function",
         message: format!("the shader has no function `{name}`"),
-        help: Some(match (left_out, near) {
-            (Some(why), _) => format!("it cannot run: {}", why.message),
-            (None, Some(near)) => format!("did you mean `{near}`? {list}"),
-            (None, None) => list,
+        help: Some(match crate::parse::nearest(name, names()) {
+            Some(near) => format!("did you mean `{near}`? {list}"),
+            None => list,
         }),
     }
 }

@@ -14,11 +14,11 @@ use crate::run::Module;
 /// Gives the caller an argument for each block, then one for each variable that is written.
 pub(super) fn through_arguments(
     module: &mut Module,
+    handle: Handle<Function>,
     blocks: &[Sampled],
     written: &[Handle<GlobalVariable>],
 ) {
     let ir = &mut module.ir;
-    let handle = ir.functions.iter().last().expect("the caller was appended").0;
     let mut function = std::mem::take(&mut ir.functions[handle]);
     let mut front = Block::new();
     for Sampled { number, variable, .. } in blocks {

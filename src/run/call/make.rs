@@ -3,8 +3,8 @@
 //!
 //! Made of a [`Module`]; gives [`pure`](super::pure) all it holds.
 
-use naga::{AddressSpace, GlobalVariable, Handle};
-use rustc_hash::FxHashSet;
+use naga::{AddressSpace, Function, GlobalVariable, Handle};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::arguments::Misfit;
 use super::caller::{self, Caller};
@@ -13,9 +13,11 @@ use super::find::{alone, opaque, shown};
 use super::globals::through_arguments;
 use super::parameters::{Known, Listed, list};
 use super::pure::{Asks, Pure, PureRequest};
-use super::{finding, reads};
+use super::reads::{self, Members};
+use super::{finding, white};
 use crate::run::bound::{self, Data};
-use crate::run::eval::{Program, ValueType};
+use crate::run::eval::{FunctionSignature, Program, ValueType};
+use crate::run::module::{FunctionInfo, ModuleHandle};
 use crate::run::{Module, reach, verify};
 use crate::source::Source;
 use crate::{Diagnostic, Options};
@@ -50,7 +52,11 @@ pub(super) fn make(
     let info = alone(&mut module, &request.function).map_err(refuse)?;
     let shown = shown(&info);
     let cannot = |Why { what, help }: Why| {
-        let message = format!("`{shown}` cannot be sampled: {what}");
+        let done = match asks {
+            Asks::Pure => "sampled",
+            Asks::Call => "called",
+        };
+        let message = format!("`{shown}` cannot be {done}: {what}");
         let help = (!help.is_empty()).then(|| help.to_string());
         refuse(Misfit { code: "cannot-call", message, help })
     };
@@ -69,30 +75,22 @@ pub(super) fn make(
         Some(_) => Vec::new(),
         None => module.ir.global_variables.iter().filter_map(private).collect(),
     };
-    let Caller { mut module, inputs } =
+    let Caller { mut module, handle, inputs } =
         caller::caller(&module, info.handle).map_err(|mut all| Box::new(all.swap_remove(0)))?;
-    through_initialisers(&module.ir, &mut reached);
+    let caller = &module.ir.functions[handle];
+    through_initialisers(&module.ir, caller, &mut reached);
+    let read = reads::members(&module.ir, caller);
     let mut notes = Vec::new();
-    let blocks = sampled(&module, &reached, &request.data, &mut notes);
+    let blocks = sampled(&module, &reached, &read, &request.data, &mut notes);
     let read_inputs = inputs.iter().map(|name| is_reached(&module, &reached, name)).collect();
-    through_arguments(&mut module, &blocks, &written);
+    through_arguments(&mut module, handle, &blocks, &written);
     let bytes = bound::blocks(&module, &request.data, bound::zeros)?;
     let files = module.files().clone();
     let writable = |block: &_| verify::access::writable(block, &files, language);
     let resources = bound::resources(&module, bytes, writable, &request.textures);
     let module = module.validated().map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let program = Program::rounded(&module, &[], request.floats);
-    let signature = match program.signature(module.ir.functions.len() - 1) {
-        Ok(Some(signature)) => signature,
-        Ok(None) => {
-            let what = format!("{} plain value", opaque(&info));
-            return Err(cannot(Why { what, help: "name the function that calls it" }));
-        }
-        Err(what) => {
-            let what = format!("the evaluator does not know {what}");
-            return Err(cannot(Why { what, help: "" }));
-        }
-    };
+    let signature = signature(&program, handle, &info).map_err(cannot)?;
     let given = inputs.iter().cloned().zip(signature.parameters.iter().map(|p| p.ty.clone()));
     let given = given.collect();
     let known = Known {
@@ -110,7 +108,8 @@ pub(super) fn make(
             "name a function that returns something, has an `out` parameter or writes a global";
         return Err(cannot(Why { what, help }));
     }
-    notes.extend(white(&module, &reached, &request.textures));
+    let reached = |handle: &&ModuleHandle| reached.contains(&handle.variable);
+    notes.extend(white(module.handles().iter().filter(reached), &request.textures));
     Ok(Pure {
         shown,
         name_span: Some(info.span),
@@ -139,6 +138,19 @@ struct Why {
     help: &'static str,
 }
 
+/// What the caller takes and gives.
+fn signature(
+    program: &Program,
+    caller: Handle<Function>,
+    info: &FunctionInfo,
+) -> Result<FunctionSignature, Why> {
+    match program.signature(caller.index()) {
+        Ok(Some(signature)) => Ok(signature),
+        Ok(None) => Err(Why { what: opaque(info), help: "name the function that calls it" }),
+        Err(what) => Err(Why { what: format!("the evaluator does not know {what}"), help: "" }),
+    }
+}
+
 /// That what a function does is of its own lane.
 fn of_its_own_lane(module: &Module, seen: &Seen) -> Result<(), Why> {
     if seen.derivatives {
@@ -147,20 +159,22 @@ fn of_its_own_lane(module: &Module, seen: &Seen) -> Result<(), Why> {
             help: "name the function that is given what they depend on",
         });
     }
-    let buffer = seen
-        .stored
-        .iter()
-        .map(|handle| &module.ir.global_variables[*handle])
-        .find(|v| matches!(v.space, AddressSpace::Storage { .. } | AddressSpace::WorkGroup));
-    if let Some(variable) = buffer {
+    let variables = module.ir.global_variables.iter();
+    for (_, variable) in variables.filter(|(handle, _)| seen.stored.contains(handle)) {
+        let what = match variable.space {
+            AddressSpace::Storage { .. } | AddressSpace::WorkGroup => "buffer",
+            AddressSpace::Handle => "image",
+            _ => continue,
+        };
         let name = variable.name.as_deref().unwrap_or_default();
         return Err(Why {
-            what: format!("it writes the buffer `{name}`"),
+            what: format!("it writes the {what} `{name}`"),
             help: "name a function that returns what is to be written",
         });
     }
-    if seen.barriers {
-        return Err(Why { what: "it waits for other invocations".to_string(), help: "" });
+    if seen.together {
+        let what = "it waits for other invocations, or computes with them".to_string();
+        return Err(Why { what, help: "" });
     }
     Ok(())
 }
@@ -169,11 +183,10 @@ fn of_its_own_lane(module: &Module, seen: &Seen) -> Result<(), Why> {
 fn sampled(
     module: &Module,
     reached: &FxHashSet<Handle<GlobalVariable>>,
+    read: &FxHashMap<Handle<GlobalVariable>, Members>,
     data: &Data,
     notes: &mut Vec<String>,
 ) -> Vec<Sampled> {
-    let caller = module.ir.functions.iter().last().expect("the caller was appended").1;
-    let read = reads::members(&module.ir, caller);
     let mut blocks = Vec::new();
     let mut shared = FxHashSet::default();
     for (number, block) in module.blocks.iter().enumerate() {
@@ -212,19 +225,4 @@ fn sampled(
 fn is_reached(module: &Module, reached: &FxHashSet<Handle<GlobalVariable>>, name: &str) -> bool {
     let root = name.split(['.', '[']).next().unwrap_or(name);
     reached.iter().any(|v| module.ir.global_variables[*v].name.as_deref() == Some(root))
-}
-
-/// What to say of textures that are reached and have no colour.
-fn white(
-    module: &Module,
-    reached: &FxHashSet<Handle<GlobalVariable>>,
-    textures: &[(String, [f32; 4])],
-) -> Option<String> {
-    let handles = module.handles().iter().filter(|handle| reached.contains(&handle.variable));
-    let paths = handles.map(|handle| handle.path.as_str());
-    let given = |path: &&str| textures.iter().any(|(name, _)| path.starts_with(name.as_str()));
-    let mut white: Vec<&str> = paths.filter(|path| !given(path)).collect();
-    white.dedup();
-    let names = white.join("`, `");
-    (!white.is_empty()).then(|| format!("`{names}` is white: --texture gives a colour"))
 }

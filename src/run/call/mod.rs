@@ -25,7 +25,7 @@ use self::find::Found;
 pub use self::report::{CallReport, Given, GivenScalar};
 use super::bound::{self, Data};
 use super::eval::{Call, Called, Cpu, FunctionSignature, Precision, Program, Settings, Words};
-use super::module::Direction;
+use super::module::{Direction, ModuleHandle};
 use super::reader::{Failure, Reader};
 use super::{Module, reach, verify};
 use crate::source::{Files, Source};
@@ -266,22 +266,7 @@ impl Job<'_> {
             notes.push(format!("it reads `{name}`, which is zero: --data gives it values"));
         }
         if evaluated.textured {
-            let mut names: Vec<&str> = Vec::new();
-            for handle in self.module.handles() {
-                let given = self.request.textures.iter().any(|(name, _)| {
-                    handle
-                        .path
-                        .strip_prefix(name.as_str())
-                        .is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
-                });
-                if !given && !names.contains(&handle.path.as_str()) {
-                    names.push(&handle.path);
-                }
-            }
-            if !names.is_empty() {
-                let names = names.join("`, `");
-                notes.push(format!("`{names}` is white: --texture gives a colour"));
-            }
+            notes.extend(white(self.module.handles(), &self.request.textures));
         }
     }
 
@@ -300,8 +285,8 @@ impl Job<'_> {
         if names.is_empty() {
             return;
         }
-        let list = names.join("`, `");
-        notes.push(format!("it reads `{list}`, which are zero: --input gives values"));
+        let (list, are) = (names.join("`, `"), if names.len() > 1 { "are" } else { "is" });
+        notes.push(format!("it reads `{list}`, which {are} zero: --input gives values"));
     }
 
     fn misfit(&self, misfit: arguments::Misfit) -> Box<Diagnostic> {
@@ -311,6 +296,19 @@ impl Job<'_> {
         };
         Box::new(finding(misfit.code, misfit.message, misfit.help, about))
     }
+}
+
+/// What to say of textures that have no colour.
+fn white<'h>(
+    handles: impl IntoIterator<Item = &'h ModuleHandle>,
+    textures: &[(String, [f32; 4])],
+) -> Option<String> {
+    let paths = handles.into_iter().map(|handle| handle.path.as_str());
+    let mut white: Vec<&str> =
+        paths.filter(|path| bound::colour(textures, path).is_none()).collect();
+    white.dedup();
+    let (names, are) = (white.join("`, `"), if white.len() > 1 { "are" } else { "is" });
+    (!white.is_empty()).then(|| format!("`{names}` {are} white: --texture gives a colour"))
 }
 
 fn failed(reader: &str, failure: &Failure) -> Box<Diagnostic> {

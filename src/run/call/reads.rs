@@ -8,7 +8,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::run::reach;
 
 /// Members by number; none where it may be all of them.
-type Members = Option<FxHashSet<u32>>;
+pub(super) type Members = Option<FxHashSet<u32>>;
 
 /// The members that a function reads of each variable it names.
 pub(super) fn members(

@@ -53,11 +53,16 @@ impl FragmentShader {
         };
         let outputs = program.run_entry(&self.entry, &invocations, &resources, &settings)?;
         let first = outputs.ports.iter().find(|(port, _)| *port == Port::Location(0));
-        let spans = first.and_then(|(_, numbers)| numbers.permitted.as_ref());
-        let color = |lane: usize| {
-            let at = |channel: usize| spans.and_then(|spans| Some(spans.get(channel)?[lane]));
-            [0, 1, 2, 3].map(|channel| at(channel).unwrap_or_default())
+        let spans = match first {
+            Some((_, numbers)) => match &numbers.permitted {
+                Some(spans) => &spans[..],
+                None => return Err(Failure::refused("the colour is no float", "")),
+            },
+            None => &[],
         };
+        // What is not written is black, as every reader has it.
+        let at = |lane: usize, channel: usize| spans.get(channel).map_or([0.0; 2], |s| s[lane]);
+        let color = |lane: usize| [0, 1, 2, 3].map(|channel| at(lane, channel));
         Ok(Permitted { colors: (0..batch.count).map(color).collect(), unsure: outputs.unsure })
     }
 }

@@ -13,7 +13,7 @@ use super::types::{Opaque, Ty, holds_values};
 use super::uses::written;
 use super::{Lowerer, R, refuse};
 use crate::diagnostic::Diagnostic;
-use crate::run::module::{Direction, FunctionInfo, Parameter as PublicParameter};
+use crate::run::module::{Direction, FunctionInfo, LeftOut, Parameter as PublicParameter};
 use crate::source::Span;
 
 /// Levels that lowering may go down: functions, statements and expressions together.
@@ -105,7 +105,7 @@ impl<'a> Lowerer<'a> {
 
     /// A function of types that cannot run is an error where it is called.
     fn unusable(&mut self, name: Name<'a>, why: Box<Diagnostic>) -> R<()> {
-        self.left_out.push((*why).clone());
+        self.left_out.push(LeftOut { function: name.text.to_string(), why: (*why).clone() });
         self.declare_global(name.text, Global::Refused(why));
         Ok(())
     }
@@ -122,15 +122,14 @@ impl<'a> Lowerer<'a> {
 
     /// Lowers every function that has a body.
     pub fn lower_functions(&mut self) -> Result<Vec<FunctionInfo>, Vec<Diagnostic>> {
-        let mut failed = Vec::new();
+        let mut failed: Vec<LeftOut> = Vec::new();
         for index in 0..self.functions.len() {
             if self.functions[index].declaration.body.is_none() {
                 continue;
             }
-            if let Err(why) = self.function(index, self.functions[index].declaration.name.span) {
-                if !failed.contains(&*why) {
-                    failed.push(*why);
-                }
+            let name = self.functions[index].declaration.name;
+            if let Err(why) = self.function(index, name.span) {
+                failed.push(LeftOut { function: name.text.to_string(), why: *why });
             }
         }
         let main = self.function_names.get("main").and_then(|all| all.first().copied());
@@ -139,7 +138,13 @@ impl<'a> Lowerer<'a> {
             None => self.functions.iter().any(|f| matches!(f.state, State::Done(_))),
         };
         if !runs && !failed.is_empty() {
-            return Err(failed);
+            let mut all: Vec<Diagnostic> = Vec::new();
+            for LeftOut { why, .. } in failed {
+                if !all.contains(&why) {
+                    all.push(why);
+                }
+            }
+            return Err(all);
         }
         self.left_out.append(&mut failed);
         Ok(self.functions.iter().filter_map(describe).collect())

@@ -41,7 +41,9 @@ use std::rc::Rc;
 use naga::Handle;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::module::{Bases, Binder, EntryInterface, FunctionInfo, ModuleBlock, ModuleHandle};
+use super::module::{
+    Bases, Binder, EntryInterface, FunctionInfo, LeftOut, ModuleBlock, ModuleHandle,
+};
 use crate::diagnostic::Diagnostic;
 use crate::parse::glsl::{Texts, tokens};
 use crate::source::{Files, Source, Span, Stage};
@@ -60,7 +62,7 @@ pub struct Lowered {
     pub functions: Vec<FunctionInfo>,
     pub inputs: Vec<EntryInterface>,
     pub outputs: Vec<EntryInterface>,
-    pub left_out: Vec<Diagnostic>,
+    pub left_out: Vec<LeftOut>,
     pub files: Files,
     pub bases: Bases,
     /// What needs no more than `mediump`, in naga's numbering.
@@ -122,7 +124,7 @@ pub struct Lowerer<'a> {
     pub early_fragment_tests: bool,
     /// Initialisers of global variables, which the entry point runs first.
     initialisers: Vec<(usize, Rc<ast::Declaration<'a>>, usize)>,
-    pub left_out: Vec<Diagnostic>,
+    pub left_out: Vec<LeftOut>,
     /// Levels of functions, statements and expressions that lowering is in.
     pub nesting: u32,
     /// Expressions of the functions that are done.

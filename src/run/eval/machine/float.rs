@@ -409,15 +409,18 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// Differences within quads of lanes: the second right of the first, the third below.
+    /// Differences within quads of lanes: the second right of the first, the third below. What
+    /// was not started is as the lane beside it: a call by itself has no neighbours.
     pub(super) fn derivative(&mut self, axis: Axis, fine: bool, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let mut to = take(&mut self.reals, group[0]);
             let a = column(&self.reals, group[1]);
+            let started = self.started;
             for lane in 0..LANES {
                 let from = if fine { lane } else { lane & !3 };
-                let x = || a[from | 1].sub(a[from & !1]);
-                let y = || a[from | 2].sub(a[from & !2]);
+                let at = |other: usize| a[if started >> other & 1 == 1 { other } else { lane }];
+                let x = || at(from | 1).sub(at(from & !1));
+                let y = || at(from | 2).sub(at(from & !2));
                 to[lane] = match axis {
                     Axis::X => x(),
                     Axis::Y => y(),

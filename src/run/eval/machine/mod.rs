@@ -65,6 +65,8 @@ pub(super) struct Machine<'p, 'j, R> {
     wides: Vec<Option<Column<u64>>>,
     pub buffers: Vec<Memory<'j>>,
     pub images: Vec<Image<'j>>,
+    /// Lanes that were started.
+    started: u64,
     /// Lanes at work.
     active: u64,
     /// How many.
@@ -101,6 +103,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             wides: columns(wides, wide, |bits| bits),
             buffers: Vec::new(),
             images: Vec::new(),
+            started: 0,
             active: 0,
             count: 0,
             killed: 0,
@@ -120,7 +123,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
 
     /// Runs a function over the lanes of a mask, private variables as they start out.
     pub fn invoke(&mut self, function: u32, start: u32, lanes: u64) -> Result<(), Stopped> {
-        (self.killed, self.unsure) = (0, 0);
+        (self.started, self.killed, self.unsure) = (lanes, 0, 0);
         self.steps = [0; LANES];
         self.batch_steps = 0;
         if let Ok(code) = &self.program.start {
