@@ -258,3 +258,33 @@ void main() { colour = both(vec2(0)); }
         assert!(said.contains("`ab` is white"), "{command}: {said}");
     }
 }
+
+#[test]
+fn half_rounds_each_operation_and_a_driver_refuses_to() {
+    let text = "#version 300 es
+precision highp float;
+out vec4 colour;
+mediump float few(mediump float x) { return x + 1.0; }
+float grown(float x) { return x * 16.0; }
+void main() { colour = vec4(few(1.0), grown(1.0), 0, 1); }
+";
+    let path = shader("half.frag", text);
+    // 2^-12 is a quarter of a unit in the last place of an f16 at 1: the sum is 1.
+    let few = ["--fn", "few", "--args", "[0.000244140625]"];
+    for (rounding, sum) in
+        [(None, "1.0002441"), (Some("--half"), "1.0"), (Some("--mediump"), "1.0")]
+    {
+        let call: Vec<&str> = few.into_iter().chain(rounding).collect();
+        assert_eq!(row(&ran(&path, &call), "result")[0], sum, "{rounding:?}");
+    }
+    // Above 65,504 an f16 is infinite; `grown` is highp.
+    let grown = ["--fn", "grown", "--args", "[5000]"];
+    for (rounding, product) in
+        [(None, "80000.0"), (Some("--half"), "inf"), (Some("--mediump"), "80000.0")]
+    {
+        let call: Vec<&str> = grown.into_iter().chain(rounding).collect();
+        assert_eq!(row(&ran(&path, &call), "result")[0], product, "{rounding:?}");
+    }
+    let said = refused(&path, &[&grown[..], &["--half", "--reader", "gl"]].concat());
+    assert!(said.contains("`--reader gl` runs the text as it is written"), "{said}");
+}

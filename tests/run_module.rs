@@ -255,7 +255,7 @@ fn a_function_that_cannot_run_is_left_out_when_nobody_calls_it() {
          void main() { color = vec4(1); }",
     );
     assert_eq!(module.functions().len(), 1);
-    assert_eq!(module.left_out()[0].message, "`noise1` has no counterpart in naga");
+    assert_eq!(module.left_out()[0].why.message, "`noise1` has no counterpart in naga");
 }
 
 #[test]

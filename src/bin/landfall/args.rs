@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod codec;
+mod floats;
 mod levels;
 mod lights;
 mod lock;
@@ -21,6 +22,7 @@ use landfall::emit::rust::Vectors;
 pub use bench::{BenchArgs, BenchFormat};
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+pub use floats::FloatsArgs;
 pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 pub use read::{Api, ReadArgs, TextArgs, define, setting};

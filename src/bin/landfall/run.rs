@@ -2,6 +2,7 @@
 
 use landfall::emit::run as print;
 use landfall::run::call::{Request, call};
+use landfall::run::eval::Floats;
 use landfall::source::Files;
 use landfall::{Diagnostic, Error};
 use serde_json::Value;
@@ -68,6 +69,12 @@ fn request(args: &RunArgs) -> Result<Request, Error> {
     let Value::Array(arguments) = data::value("--args", &args.arguments)? else {
         return Err(Error::new("--args", "is no array of arguments").with_help("write `[1, 2]`"));
     };
+    let floats = args.floats.floats();
+    if floats != Floats::AsWritten && args.reader != ReaderName::Cpu {
+        let reader = format!("--reader {}", args.reader.name());
+        return Err(Error::new(reader, "runs the text as it is written")
+            .with_help("leave out --half and --mediump, or let `cpu` round"));
+    }
     let inputs =
         args.inputs.iter().map(|(name, text)| Ok((name.clone(), data::value("--input", text)?)));
     Ok(Request {
@@ -76,6 +83,7 @@ fn request(args: &RunArgs) -> Result<Request, Error> {
         data: data::blocks(args.data.as_deref())?,
         textures: textures(&args.textures)?,
         inputs: inputs.collect::<Result<_, Error>>()?,
+        floats,
         limit: args.limit,
     })
 }

@@ -24,7 +24,9 @@ use self::caller::Caller;
 use self::find::Found;
 pub use self::report::{CallReport, Given, GivenScalar};
 use super::bound::{self, Data};
-use super::eval::{Call, Called, Cpu, FunctionSignature, Precision, Program, Settings, Words};
+use super::eval::{
+    Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, Words,
+};
 use super::module::{Direction, ModuleHandle};
 use super::reader::{Failure, Reader};
 use super::{Module, reach, verify};
@@ -44,6 +46,8 @@ pub struct Request {
     pub textures: Vec<(String, [f32; 4])>,
     /// Values of the shader's inputs by name; the others are zero.
     pub inputs: Vec<(String, Value)>,
+    /// What the evaluator rounds floats to.
+    pub floats: Floats,
     /// Who is not done by then has failed.
     pub limit: Duration,
 }
@@ -56,6 +60,7 @@ impl Default for Request {
             data: Data::new(),
             textures: Vec::new(),
             inputs: Vec::new(),
+            floats: Floats::AsWritten,
             limit: Duration::from_secs(20),
         }
     }
@@ -118,6 +123,11 @@ impl Job<'_> {
             .map_err(|mut all| Box::new(all.swap_remove(0)))?;
         let evaluated = self.evaluate(&caller, &found)?;
         let mut notes = Vec::new();
+        match request.floats {
+            Floats::AsWritten => {}
+            Floats::Half => notes.push("every operation is rounded to f16".to_string()),
+            Floats::Mediump => notes.push("what is mediump or lowp is rounded to f16".to_string()),
+        }
         let driver = reader.filter(|reader| reader.device().reader != "cpu");
         let (device, answered) = match driver {
             Some(reader) => {
@@ -191,7 +201,7 @@ impl Job<'_> {
         let files = module.files();
         let writable = |block: &_| verify::access::writable(block, files, source.language);
         let resources = bound::resources(module, bytes, writable, &request.textures);
-        let program = Program::new(module, &[]);
+        let program = Program::rounded(module, &[], request.floats);
         let number = module.ir.functions.len() - 1;
         let signature = match program.signature(number) {
             Ok(Some(signature)) => signature,

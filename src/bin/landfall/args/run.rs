@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 
 use super::verify::seconds;
-use super::{ReadArgs, ReaderName, setting};
+use super::{FloatsArgs, ReadArgs, ReaderName, setting};
 
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
@@ -36,6 +36,8 @@ pub struct RunArgs {
     /// Part of the name of the GPU adapter to take
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+    #[command(flatten)]
+    pub floats: FloatsArgs,
     /// Form of the output
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: RunFormat,
