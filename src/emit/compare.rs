@@ -36,8 +36,9 @@ pub fn human(comparison: &Comparison) -> String {
     row(
         "8-bit",
         format!(
-            "max {} steps ({}); {one} channels differ by 1, {two} by 2, {more} by 3 or more, of {}",
+            "max {} {} ({}); {one} channels differ by 1, {two} by 2, {more} by 3 or more, of {}",
             codes.max,
+            if codes.max == 1 { "step" } else { "steps" },
             codes.transfer.name(),
             codes.channels
         ),
