@@ -9,6 +9,7 @@ use std::rc::Rc;
 use super::types::{Laid, RustType, Shape};
 use crate::layout::measure::{element_size, fixed, matrix_vector};
 use crate::layout::{MemberLayout, occupied};
+use crate::lint::show::bytes;
 use crate::shape::{Rules, Scalar, ScalarKind, Type};
 use crate::source::Language;
 
@@ -182,7 +183,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
     flatten(ty, 0, &mut found);
     let bytes = found.iter().all(|(_, width, _)| *width == 1) && width > 1;
     let too_small = || Misfit {
-        text: format!("is {}, the shader's `{spelled}` is {end}", bytes_of(ty.size)),
+        text: format!("is {}, the shader's `{spelled}` is {end}", bytes(ty.size)),
         help: wanted(),
     };
     if ty.size < end {
@@ -203,7 +204,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
             return Err(Misfit {
                 text: format!(
                     "has components of {}, the shader's `{spelled}` of {width}",
-                    bytes_of(*own)
+                    bytes(*own)
                 ),
                 help: wanted(),
             });
@@ -332,8 +333,4 @@ fn rust_name(scalar: Scalar) -> &'static str {
         (ScalarKind::Uint, 1) | (ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => "u8",
         (ScalarKind::Uint | ScalarKind::Bool, _) => "u32",
     }
-}
-
-fn bytes_of(n: u64) -> String {
-    crate::lint::show::bytes(n)
 }
