@@ -11,11 +11,13 @@ mod climb;
 mod condition;
 mod deadline;
 mod drivers;
+mod every;
 mod find;
 mod generate;
 pub mod hazard;
 mod judge;
 mod map;
+mod mutations;
 mod permitted;
 mod readers;
 mod report;
@@ -70,7 +72,7 @@ pub struct Request {
     pub domain: Option<Value>,
     /// What random numbers start from.
     pub seed: u64,
-    /// Samples to run.
+    /// Samples to run; a domain of no more inputs is run whole, each input once.
     pub samples: u64,
     /// Time for sampling; what is found is looked at in half as much again.
     pub time: Option<Duration>,
@@ -145,13 +147,13 @@ pub fn stress(
     let against = against.as_ref().map(held).transpose()?;
     let domain =
         super::inputs::domain(source, &pure, &inputs, request.domain.as_ref()).map_err(&refused)?;
-    let generator = Generator::new(&inputs, &domain, request.seed);
+    let generator = Generator::new(&inputs, &domain, request.seed).or_every(request.samples);
     let threads = match request.threads {
         0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
         given => given,
     };
     let plan = Plan {
-        samples: request.samples,
+        samples: generator.all().unwrap_or(request.samples),
         until: Deadline::after(request.time, &request.stop),
         threads,
         steps: request.steps,
@@ -171,7 +173,9 @@ pub fn stress(
     let until = Deadline::after(Some(more), &request.stop).with_grace(GRACE);
     let after = Plan { until: until.clone(), ..plan.clone() };
     drivers.set_until(&until);
-    let mut climbs = Climbs { tally: Tally::default(), drivers: &mut drivers };
+    let every = generator.all().filter(|_| !sampled.stopped);
+    let mut climbs =
+        Climbs { tally: Tally::default(), drivers: &mut drivers, over: every.is_some() };
     let endless: Vec<Sample> = sampled
         .exemplars
         .iter()
@@ -207,6 +211,7 @@ pub fn stress(
         worst,
         drivers,
         endless,
+        every,
         stopped: sampled.stopped || until.is_stopped(),
         rate: ran as f64 / sampling.as_secs_f64().max(1.0e-9),
         threads,

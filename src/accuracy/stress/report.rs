@@ -42,6 +42,8 @@ pub struct Report {
     pub seconds: f64,
     /// Whether it was stopped before all samples had run.
     pub stopped: bool,
+    /// How many inputs there are, where every one of them ran.
+    pub every: Option<u64>,
     /// What the function reads, and what each may be.
     pub inputs: Vec<(Input, String)>,
     /// By family of samples: how they came out.
@@ -145,6 +147,7 @@ pub(super) struct Made<'a> {
     pub worst: Vec<(Sample, Off)>,
     pub drivers: Drivers<'a>,
     pub endless: Vec<Sample>,
+    pub every: Option<u64>,
     pub stopped: bool,
     pub rate: f64,
     pub threads: usize,
@@ -217,6 +220,7 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
         threads: made.threads,
         seconds: made.seconds,
         stopped: made.stopped,
+        every: made.every,
         inputs: inputs.iter().cloned().zip(within).collect(),
         families: made.families,
         total,

@@ -37,7 +37,7 @@ impl<'a> Worker<'a> {
     /// # Errors
     /// What the evaluator does not know.
     pub fn run(&mut self, number: usize, chunk: &Chunk) -> Result<(), Failure> {
-        let watch = matches!(chunk.family, Family::Coincidences | Family::Scenes);
+        let watch = matches!(chunk.family, Family::Coincidences | Family::Scenes | Family::Every);
         self.part(number, chunk, 0..chunk.samples.len(), watch)
     }
 
