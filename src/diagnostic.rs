@@ -71,6 +71,24 @@ impl Diagnostic {
         Diagnostic { severity: Severity::Warning, ..Diagnostic::error(code, span, message) }
     }
 
+    /// An error about a file, an option or nothing that has a place in the text.
+    pub fn about(
+        code: &'static str,
+        message: impl Into<String>,
+        help: Option<String>,
+        about: impl Into<String>,
+    ) -> Diagnostic {
+        Diagnostic {
+            code,
+            severity: Severity::Error,
+            message: message.into(),
+            path: Some(about.into()),
+            labels: Vec::new(),
+            notes: Vec::new(),
+            help,
+        }
+    }
+
     /// The same finding with words at its main place.
     pub fn with_text(mut self, text: impl Into<String>) -> Diagnostic {
         if let Some(label) = self.labels.first_mut() {

@@ -201,6 +201,51 @@ fn half_precision_is_the_evaluators_alone() {
 }
 
 #[test]
+fn a_member_that_is_not_read_needs_no_value() {
+    let folder = Folder::new("unread");
+    let body = "float f(float x) { return x * u.k; }";
+    let small = format!("layout(binding = 0) uniform Block {{ float k; }} u;\n{body}");
+    let large = "layout(binding = 0) uniform Block { float k; float extra; ivec2 more; } u;\n";
+    let small = folder.file("small.frag", &small);
+    let large = format!("b={}", folder.file("large.frag", &format!("{large}{body}")));
+    // By order, where the names are others: what is read, and nothing between.
+    let renamed = "layout(binding = 0) uniform Other { float pad; float gain; } o;
+float f(float y) { return y * o.gain; }";
+    let renamed = format!("c={}", folder.file("renamed.frag", renamed));
+    let arguments = [&small, "--fn", "f", "--variant", &large, "--variant", &renamed];
+    let found = bench(&[&arguments[..], &["--reader", "cpu,gl"]].concat());
+    assert!(found.failed.is_empty(), "{:?}", found.failed);
+    for reader in ["cpu", "gl"] {
+        let of = |variant: &str| row(&found, variant, reader).errors;
+        assert!(of("as it is").max_ulp.is_some_and(|ulp| ulp > 0.4 && ulp <= 0.5), "{reader}");
+        assert_eq!((of("b"), of("c")), (of("as it is"), of("as it is")), "{reader}");
+    }
+}
+
+#[test]
+fn a_member_that_only_a_variant_reads_has_values_too() {
+    let folder = Folder::new("more");
+    let functions = "layout(binding = 0) uniform Block { float k; float m; } u;
+float f(float x) { return x * u.k; }
+float g(float x) { return x * u.k * u.m / u.m; }";
+    let file = folder.file("more.frag", functions);
+    let arguments = [&file, "--fn", "f", "--variant", "g=#g", "--reader", "cpu"];
+    let found = bench(&[&arguments[..], &["--domain", r#"{"u.m": [1, 2]}"#]].concat());
+    let g = row(&found, "g", "cpu").errors;
+    // Three roundings, the first two up to a whole unit of the last's place.
+    assert_eq!(g.non_finite, 0, "{g:?}");
+    assert!(g.max_ulp.is_some_and(|ulp| ulp > 0.5 && ulp <= 2.5), "{g:?}");
+    // What no value is there for is refused in words.
+    let alone = folder.file("alone.frag", "float f(float x) { return x; }");
+    let form = format!("more={file}");
+    let output = landfall(&["bench", &alone, "--fn", "f", "--variant", &form, "--reader", "cpu"]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    let wanted = "`--variant more` does not fit: it reads `u.k`, and `f(float)`, which it is";
+    assert!(said.contains(wanted), "{said}");
+}
+
+#[test]
 fn what_cannot_be_called_is_refused_by_name() {
     let folder = Folder::new("refused");
     let functions = "layout(binding = 0) buffer Out { float kept; };

@@ -74,6 +74,99 @@ fn what_is_found_is_repeated_by_the_command_beside_it() {
     assert!(said.contains("normalised zero vector") && said.contains(".frag:5:"), "{said}");
 }
 
+/// A function that is there under a macro alone, and reads a texture and an included file. The
+/// text and what is included are `.txt` and `.inc`, so that no name says what they are.
+const ASKED: &str = "#version 450
+#ifdef X
+#include \"scale.inc\"
+layout(binding = 0) uniform sampler2D a;
+layout(binding = 1) uniform Block { float k; } block;
+float f(vec2 at) { return texture(a, at).y * SCALE * at.x / 3.0 + block.k * float(X); }
+#endif
+void main() {}
+";
+
+#[test]
+fn a_command_has_the_macros_textures_folders_and_stage_the_function_was_read_with() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
+    let included = folder.join("an include folder");
+    std::fs::create_dir_all(&included).unwrap();
+    std::fs::write(included.join("scale.inc"), "#define SCALE 0.7\n").unwrap();
+    let path = folder.join("asked.txt");
+    std::fs::write(&path, ASKED).unwrap();
+    let asked = ["-D", "X=3", "-I", included.to_str().unwrap(), "--stage", "fragment"];
+    let textured = ["--fn", "f", "--texture", "a=[0.25, 0.3, 1, 1e-7]", "--data"];
+    let few = [r#"{"Block": {"k": 0.125}}"#, "--samples", "2000", "--format", "json"];
+    let domain = ["--domain", r#"{"at": [0.5, 2]}"#];
+    let output = stress(&path, &[&asked[..], &textured, &few, &domain].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    let case = &report["worst"][0]["case"];
+    let line = case["command"].as_str().expect("some sample is rounded");
+    let binary = Path::new(env!("CARGO_BIN_EXE_landfall")).parent().unwrap();
+    let paths = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
+    let line = format!("{line} --format json");
+    let again = Command::new("sh").args(["-c", &line]).env("PATH", paths).output().unwrap();
+    let said = String::from_utf8_lossy(&again.stderr);
+    let again: Value =
+        serde_json::from_slice(&again.stdout).unwrap_or_else(|_| panic!("{line}: {said}"));
+    let scalar = &again["result"]["scalars"][0];
+    assert_eq!(scalar["value"], case["results"][0]["f32"], "{line}: {again}");
+    assert_eq!(scalar["double"], case["results"][0]["f64"], "{line}: {again}");
+    // White instead of 0.3 would be three times as much: x is at least a half.
+    assert!(
+        scalar["value"].as_f64().is_some_and(|y| y < 0.375 + 0.7 * 0.31 * 2.0 / 3.0),
+        "{again}"
+    );
+}
+
+#[test]
+fn a_time_no_clock_reaches_is_refused_in_words() {
+    let path = shader("late.frag");
+    for time in ["1e19", "1e300", "inf", "NaN", "0"] {
+        let output = stress(&path, &["--fn", "halved", "--samples", "10", "--time", time]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{time}: {said}");
+        assert!(said.contains("a limit is above 0"), "{time}: {said}");
+    }
+}
+
+#[test]
+fn a_robust_form_reads_what_the_function_reads_or_is_refused() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("against.frag");
+    let text = "#version 450
+layout(binding = 0) uniform Block { float k; float m; } u;
+float f(float x) { return normalize(vec2(x * u.k)).x; }
+float g(float x) { return normalize(vec2(x * u.k)).x * (u.m / u.m); }
+float h(float x, float more) { return x * u.k + more; }
+void main() {}
+";
+    std::fs::write(&path, text).unwrap();
+    let few = ["--fn", "f", "--samples", "3000", "--format", "json", "--domain"];
+    let domain = r#"{"m": [1, 2]}"#.replace("\"m\"", "\"u.m\"");
+    let against = |name: &str| {
+        let form = format!("{}#{name}", path.display());
+        stress(&path, &[&few[..], &[&domain, "--against", &form]].concat())
+    };
+    let output = against("g");
+    let said = String::from_utf8_lossy(&output.stderr);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    // Of a zero vector both give NaN; of what is too large, both give the same.
+    let found = report["findings"].as_array().unwrap();
+    assert!(!found.is_empty());
+    for found in found {
+        assert_eq!(found["against"]["outcome"], found["outcome"], "{found:#}");
+        let m = found["case"]["inputs"]["u.m"].as_f64();
+        assert!(m.is_some_and(|m| (1.0..=2.0).contains(&m)), "{found:#}");
+    }
+    let output = against("h");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("`h(float, float)` does not fit: it reads `more`, and"), "{said}");
+}
+
 #[test]
 fn an_error_map_is_a_drawing_of_the_two_inputs() {
     let path = shader("map.frag");

@@ -5,7 +5,6 @@
 //! ([`Precision::Permitted`](crate::run::eval::Precision::Permitted)). Feeds
 //! [`stress`](super::stress) and [`bench`](mod@super::bench).
 
-use super::measure::place;
 use crate::run::call::pure::PureCalled;
 
 /// The farthest from the truth that a conformant device may be; infinite where it may give
@@ -16,8 +15,6 @@ pub(super) struct Farthest {
     pub far: f64,
     /// In steps of 1/255 of full scale.
     pub steps: f64,
-    /// In units of the last place of an `f32`.
-    pub ulp: f64,
     /// Whether a branch may go the other way, and so lead anywhere.
     pub unsure: bool,
 }
@@ -43,7 +40,6 @@ pub(super) fn farthest(
         scale = scale.max(truth.abs());
         let off = off_from([low, high], truth);
         most.far = most.far.max(off);
-        most.ulp = most.ulp.max(off / place(truth));
     }
     most.steps = 255.0 * most.far / scale;
     Some(most)

@@ -13,6 +13,7 @@ use super::device::JsonAsked;
 use super::findings::{ReportFormat, ReportOptions, report};
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
+use super::words;
 use crate::accuracy::stress::words::{figure, name, number};
 use crate::accuracy::stress::{
     Came, Case, Condition, DriverCase, Family, Found, Odd, Off, Outcome, ReaderReport, Report,
@@ -38,10 +39,14 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
         1 => "1 thread".to_string(),
         threads => format!("{threads} threads"),
     };
+    let ran = match stressed.every {
+        Some(1) => "the only input".to_string(),
+        Some(all) => format!("all {} inputs", words::number(all)),
+        None => format!("{} samples", stressed.total.samples),
+    };
     let _ = writeln!(
         text,
-        "  {} samples in {:.1} s, {} a second on {threads}, seed {}{}",
-        stressed.total.samples,
+        "  {ran} in {:.1} s, {} a second on {threads}, seed {}{}",
         stressed.seconds,
         grouped(stressed.rate),
         stressed.seed,
@@ -248,6 +253,7 @@ struct Object<'a> {
     seconds: f64,
     samples_per_second: f64,
     stopped: bool,
+    all_inputs: Option<u64>,
     inputs: Vec<InputObject<'a>>,
     families: Vec<FamilyObject>,
     total: TallyObject,
@@ -444,6 +450,7 @@ pub fn json(stressed: &Report) -> String {
         seconds: stressed.seconds,
         samples_per_second: stressed.rate,
         stopped: stressed.stopped,
+        all_inputs: stressed.every,
         inputs: stressed
             .inputs
             .iter()

@@ -71,9 +71,27 @@ fn a_power_is_sampled_as_wrong_as_it_is() {
         return x16 * x16;
     }";
     assert_eq!(worst_of_all(text), worst, "the evaluator squares in f32 too");
-    let report = measured(text, "f", r#"{"x": [0.5, 0.99999994]}"#);
+    let report = measured(text, "f", HALF_TO_ONE);
     let most = report.total.ulp.max;
+    assert_eq!(report.every, None);
     assert!(most <= worst && most >= 0.85 * worst, "sampled {most}, all {worst} ULP");
+    let all = whole(text);
+    assert_eq!(all.total.ulp.max, worst, "it is in the one input that has it");
+    assert_eq!(all.worst[0].off.ulp, worst);
+}
+
+/// Every number from a half to 1 - 2^-24, the last below one.
+const HALF_TO_ONE: &str = r#"{"x": [0.5, 0.9999999404]}"#;
+
+/// The report of `f` over all 2^23 of them.
+fn whole(text: &str) -> Report {
+    let source = Source::new("figures.frag", format!("#version 450\n{text}\nvoid main() {{}}\n"));
+    let mut request = request("f");
+    (request.domain, request.samples, request.time) = (domain(HALF_TO_ONE), 1 << 23, None);
+    let report = run(&source, &request);
+    assert_eq!((report.every, report.total.samples), (Some(1 << 23), 1 << 23));
+    assert_eq!(report.total.ulp.count, 1 << 23, "each is finite");
+    report
 }
 
 /// The largest error of `f` on the evaluator, over all 2^23 numbers from a half to 1, against
@@ -113,9 +131,42 @@ fn the_built_in_power_of_all_inputs_is_as_sampled() {
     let text = "float f(float x) { return pow(x, 32.0); }";
     let worst = worst_of_all(text);
     assert!((0.4999..=0.5001).contains(&worst), "{worst} ULP");
-    let most = measured(text, "f", r#"{"x": [0.5, 0.99999994]}"#).total.ulp.max;
+    let most = measured(text, "f", HALF_TO_ONE).total.ulp.max;
     // Their `f64`s are off by a few 2^-53, which is 2^-30 of a unit.
     assert!(most <= worst + 1e-6 && most >= 0.99 * worst, "sampled {most}, all {worst} ULP");
+    let all = whole(text).total.ulp.max;
+    assert!((all - worst).abs() <= 1e-6, "{all}, by itself {worst} ULP");
+}
+
+#[test]
+fn few_inputs_are_each_run_once() {
+    // Two truths, five whole numbers, and the 9 floats from 1 to 1 + 8 * 2^-23.
+    let text = "float f(bool b, int n, float x) {
+        return b && n == -2 ? sqrt(-x) : x == 1.0 ? 1.0 / float(n - 2) : x;
+    }";
+    let report = measured(text, "f", r#"{"n": [-2, 2], "x": [1, 1.00000096]}"#);
+    assert_eq!((report.every, report.total.samples), (Some(90), 90));
+    // A root of each of the nine; at the first of them a division by zero with either truth.
+    assert_eq!((report.total.nan, report.total.infinite), (9, 2));
+    let text = landfall::emit::stress::text(&report, landfall::emit::Paint::Plain);
+    assert!(text.contains("  all 90 inputs in "), "{text}");
+    let json = landfall::emit::stress::json(&report);
+    let json: serde_json::Value = serde_json::from_str(&json).expect("it is JSON");
+    assert_eq!(json["all_inputs"], 90);
+    assert!(json["families"].as_array().is_some_and(|all| {
+        all.iter().all(|one| one["family"] == "every" || one["samples"] == 0)
+    }));
+}
+
+#[test]
+fn all_inputs_are_only_said_of_a_run_that_came_to_its_end() {
+    let source =
+        Source::new("f.frag", "#version 450\nfloat f(float x) { return x; }\nvoid main() {}");
+    let mut request = request("f");
+    (request.domain, request.samples) = (domain(r#"{"x": [0.5, 4]}"#), 1 << 25);
+    request.time = Some(std::time::Duration::from_millis(20));
+    let report = run(&source, &request);
+    assert!(report.stopped && report.every.is_none() && report.total.samples < 1 << 24);
 }
 
 #[test]

@@ -33,7 +33,7 @@ impl<'a> Variant<'a> {
     /// # Errors
     /// It takes or gives something else.
     pub fn new(calls: &'a Calls, first: &Pure, pure: &'a Pure) -> Result<Variant<'a>, String> {
-        let columns = calls.given(&calls.matched(first, pure)?);
+        let columns = calls.given(first, pure)?;
         let kinds = Kinds::of(pure);
         if let Some(truth) = calls.truth().iter().flatten().next() {
             let given = [kinds.floats.len(), kinds.wholes.len()];

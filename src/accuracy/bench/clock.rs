@@ -1,6 +1,6 @@
 //! What time is: of the processor where it computes, of the device where that does.
 //!
-//! For [`rounds`](super::measure) and the workloads that readers run.
+//! For [`measure`](super::measure) and the workloads that readers run.
 
 use std::time::{Duration, Instant};
 

@@ -10,13 +10,13 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::errors::Results;
-use crate::accuracy::inputs::{columns, domain, input, matched, published};
+use crate::Diagnostic;
+use crate::accuracy::inputs::{Inputs, columns, domain, matched, published};
 use crate::accuracy::measure::floats;
 use crate::run::call::Refusal;
 use crate::run::call::pure::{Pure, PureCalled};
 use crate::run::eval::{Precision, Settings};
 use crate::source::Source;
-use crate::{Diagnostic, Severity};
 
 /// What a function is called with.
 #[derive(Clone, Debug)]
@@ -49,10 +49,13 @@ pub struct Calls {
     limit: Duration,
     /// What each call gives; none where that is not finite, or nothing.
     truth: Vec<Option<Results>>,
+    /// What is sampled of that function.
+    inputs: Inputs,
 }
 
 impl Calls {
-    /// Samples of a function's inputs, and the `f64` of that function or another as the truth.
+    /// Samples of what a function and its variants read, and the `f64` of that function or another
+    /// as the truth.
     ///
     /// # Errors
     /// A domain that is about something else, or leaves nothing; another function that takes
@@ -60,13 +63,14 @@ impl Calls {
     pub fn new(
         source: &Source,
         pure: &Pure,
+        variants: &[&Pure],
         truth: &Pure,
         sampling: &Sampling,
     ) -> Result<Calls, Box<Refusal>> {
         let refused =
             |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
         let failed = |message: String| refused(finding(message, &source.path));
-        let inputs = input::inputs(pure);
+        let inputs = matched::shared(pure, &[variants, &[truth]].concat());
         let domain = domain(source, pure, &inputs, sampling.domain.as_ref()).map_err(&refused)?;
         let samples = published(&inputs, &domain, sampling.seed, sampling.calls);
         if samples.len() < sampling.calls {
@@ -80,8 +84,9 @@ impl Calls {
             lanes: samples.len(),
             limit: sampling.limit,
             truth: Vec::new(),
+            inputs,
         };
-        let given = calls.given(&calls.matched(pure, truth).map_err(&failed)?);
+        let given = calls.given(pure, truth).map_err(&failed)?;
         let called = truth
             .call(&given, calls.lanes, &calls.settings(Precision::Double))
             .map_err(|failure| failed(format!("`{}`: {}", truth.shown, failure.message)))?;
@@ -100,14 +105,13 @@ impl Calls {
         self.lanes
     }
 
-    /// Which of the columns each scalar of another function is given.
-    pub(super) fn matched(&self, first: &Pure, other: &Pure) -> Result<Vec<usize>, String> {
-        matched::matched(first, other)
-    }
-
-    /// The columns in another function's order.
-    pub(super) fn given(&self, order: &[usize]) -> Vec<Vec<u64>> {
-        order.iter().map(|&at| self.columns[at].clone()).collect()
+    /// The columns in another function's order; zeros for what it does not read.
+    pub(super) fn given(&self, first: &Pure, other: &Pure) -> Result<Vec<Vec<u64>>, String> {
+        let column = |at: Option<usize>| match at {
+            Some(at) => self.columns[at].clone(),
+            None => vec![0; self.lanes],
+        };
+        Ok(matched::matched(first, &self.inputs, other)?.into_iter().map(column).collect())
     }
 
     /// What each call should give; none where that is undefined.
@@ -173,13 +177,5 @@ impl Kinds {
 }
 
 fn finding(message: String, about: &str) -> Diagnostic {
-    Diagnostic {
-        code: "cannot-bench",
-        severity: Severity::Error,
-        message,
-        path: Some(about.to_string()),
-        labels: Vec::new(),
-        notes: Vec::new(),
-        help: None,
-    }
+    Diagnostic::about("cannot-bench", message, None, about)
 }

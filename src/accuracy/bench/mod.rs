@@ -3,8 +3,8 @@
 //!
 //! A [`Workload`] is a variant on a reader; [`measure`] runs them in turns by a [`clock`] and
 //! gives [`Spread`]s; [`Errors`] hold what it gives against the truth, [`Permitted`] says what any
-//! device may give, [`Work`] what it does; [`rank`] says who is better. All of it is a [`Bench`], printed by [`emit::bench`](crate::emit::bench) and drawn by
-//! [`plot`](super::plot).
+//! device may give, [`Work`] what it does; [`rank`] says who is better. All of it is a [`Bench`],
+//! printed by [`emit::bench`](crate::emit::bench) and drawn by [`plot`](super::plot).
 
 pub mod called;
 pub mod clock;

@@ -76,7 +76,7 @@ pub fn float(sample: &[u64], at: usize) -> f32 {
     f32::from_bits(sample[at] as u32)
 }
 
-/// What a function reads; what is bound beside it stays zero.
+/// What a function is given; what is bound beside it stays zero.
 #[derive(Clone, Debug)]
 pub struct Inputs {
     read: Vec<Input>,
@@ -94,12 +94,18 @@ impl std::ops::Deref for Inputs {
 
 /// Every input of a function, in the order of its scalars.
 pub fn inputs(pure: &Pure) -> Inputs {
+    let read: Vec<bool> = pure.parameters.iter().map(|parameter| parameter.read).collect();
+    inputs_of(pure, &read)
+}
+
+/// The inputs among the parameters that are sampled.
+pub(super) fn inputs_of(pure: &Pure, sampled: &[bool]) -> Inputs {
     let mut all = Vec::new();
     let mut first = 0;
-    for parameter in &pure.parameters {
+    for (parameter, sampled) in pure.parameters.iter().zip(sampled) {
         let before = all.len();
         push(&parameter.ty, parameter.path.clone(), None, &mut first, &mut all);
-        if !parameter.read {
+        if !sampled {
             all.truncate(before);
         }
     }

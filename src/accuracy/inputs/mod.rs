@@ -15,12 +15,13 @@ pub(super) mod scene;
 
 use serde_json::Value;
 
+pub(super) use input::Inputs;
 pub use input::{Input, Sample};
 pub(super) use samples::published;
 
+use crate::Diagnostic;
 use crate::run::call::pure::Pure;
 use crate::source::Source;
-use crate::{Diagnostic, Severity};
 use domain::{Domain, Refused};
 
 /// What the inputs of a function may be: by comments of its shader, then by JSON.
@@ -43,15 +44,7 @@ pub(super) fn domain(
 }
 
 fn bad(refused: Refused, about: &str) -> Diagnostic {
-    Diagnostic {
-        code: "bad-domain",
-        severity: Severity::Error,
-        message: refused.message,
-        path: Some(about.to_string()),
-        labels: Vec::new(),
-        notes: Vec::new(),
-        help: refused.help,
-    }
+    Diagnostic::about("bad-domain", refused.message, refused.help, about)
 }
 
 /// Samples by scalar.

@@ -21,6 +21,8 @@ const PATIENCE: usize = 10;
 pub(super) struct Climbs<'c, 'r> {
     pub tally: Tally,
     pub drivers: &'c mut Drivers<'r>,
+    /// Whether every input ran: none is higher.
+    pub over: bool,
 }
 
 /// Whose error a climb is up.
@@ -43,6 +45,14 @@ pub(super) fn climb(
 ) -> (Sample, Off) {
     let (inputs, domain) = (generator.inputs, generator.domain);
     let floats = floats(pure);
+    if climbs.over {
+        let called = pure.call(&columns(std::slice::from_ref(start)), 1, &settings(plan, false));
+        let off = called.ok().and_then(|called| match outcome(&called, &floats, 0) {
+            Outcome::Off(off, _) => Some(off),
+            Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+        });
+        return (start.clone(), off.unwrap_or_default());
+    }
     let mut best = (start.clone(), Off::default());
     let mut highest = match whose {
         Whose::Evaluator => 0.0,

@@ -33,8 +33,9 @@ impl Deadline {
 
     /// The same, but no later than after that long.
     pub fn sooner(&self, time: Duration) -> Deadline {
-        let new = Instant::now() + time;
-        Deadline { at: Some(self.at.map_or(new, |at| at.min(new))), ..self.clone() }
+        // So late that no clock gets there is not sooner.
+        let new = Instant::now().checked_add(time);
+        Deadline { at: [self.at, new].into_iter().flatten().min(), ..self.clone() }
     }
 
     pub fn is_over(&self) -> bool {
@@ -51,8 +52,8 @@ impl Deadline {
         if !self.is_stopped() {
             return self.at;
         }
-        let end = *self.stopped.get_or_init(Instant::now) + self.grace;
-        Some(self.at.map_or(end, |at| at.min(end)))
+        let end = self.stopped.get_or_init(Instant::now).checked_add(self.grace);
+        [self.at, end].into_iter().flatten().min()
     }
 
     /// Whether somebody said stop.
@@ -76,5 +77,14 @@ mod tests {
         assert!(sampling.is_over() && !writing.is_over());
         assert!(writing.left().is_some_and(|left| left <= hour / 2));
         assert!(writing.sooner(Duration::ZERO).is_over());
+    }
+
+    #[test]
+    fn what_no_clock_reaches_is_no_end() {
+        let stop = Arc::default();
+        let never = Deadline::after(Some(Duration::MAX), &stop).sooner(Duration::MAX);
+        assert_eq!((never.end(), never.is_over()), (None, false));
+        let hour = Duration::from_secs(3600);
+        assert!(never.sooner(hour).sooner(Duration::MAX).left().is_some_and(|left| left <= hour));
     }
 }

@@ -109,12 +109,13 @@ pub(super) fn findings(
         .collect();
     all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
     let left = plan.until.left().unwrap_or(UNHURRIED);
-    let last = Instant::now() + left.max(Duration::from_millis(300));
+    let last = Instant::now().checked_add(left.max(Duration::from_millis(300)));
     let count = all.len();
     for (nth, (key, raw)) in all.iter_mut().enumerate() {
         // Each has its part of the time that is left.
-        let left = last.saturating_duration_since(Instant::now());
-        let share = plan.until.sooner(left / (count - nth).max(1) as u32 * 2);
+        let left = last.map_or(left, |last| last.saturating_duration_since(Instant::now()));
+        let each = left / u32::try_from(count - nth).unwrap_or(u32::MAX).max(1);
+        let share = plan.until.sooner(each.saturating_mul(2));
         let loss = raw.candidate.kind.is_none();
         let was = raw.plausible;
         let breaks = |sample: &Sample| -> bool {

@@ -2,6 +2,7 @@
 //!
 //! Reads a [`Report`]; draws with [`plot`](crate::accuracy::plot).
 
+use super::Request;
 use super::deadline::Deadline;
 use super::domain::Within;
 use super::input::{Sample, inputs};
@@ -11,12 +12,11 @@ use super::report::Report;
 use super::role::Role;
 use super::sample::{Plan, columns, settings};
 use super::scene::{self, Geometry, Setting};
-use super::{Request, finding};
-use crate::Options;
 use crate::accuracy::plot::{Axis, Cell, HeatMap, heat_map};
 use crate::run::call::Refusal;
 use crate::run::call::pure::Pure;
 use crate::source::Source;
+use crate::{Diagnostic, Options};
 
 /// What is drawn.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ pub fn error_map(
         found.ok_or_else(|| {
             let near = crate::parse::nearest(path, paths.iter().map(|p| p.as_str()));
             let help = near.map(|near| format!("did you mean `{near}`?"));
-            refused(finding(
+            refused(Diagnostic::about(
                 "unknown-input",
                 format!("the function reads no float `{path}`"),
                 help,

@@ -5,15 +5,19 @@
 //! findings of it. [`emit::stress`](crate::emit::stress) prints the [`Report`].
 
 mod blame;
+mod case;
 mod classify;
 mod climb;
 mod condition;
 mod deadline;
 mod drivers;
+mod every;
 mod find;
 mod generate;
 pub mod hazard;
+mod judge;
 mod map;
+mod mutations;
 mod permitted;
 mod readers;
 mod report;
@@ -22,6 +26,7 @@ mod sample;
 mod semantic;
 mod shrink;
 pub mod words;
+mod worker;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -30,17 +35,19 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 pub use super::inputs::{Input, Sample, domain, role};
-use super::inputs::{input, random, scene};
+use super::inputs::{input, matched, random, scene};
 use super::measure;
 pub use super::measure::{Off, Outcome, Spread};
 
+pub use case::{Case, ResultScalar, command};
 pub use classify::Performed;
 pub use condition::Condition;
 pub use generate::Family;
+pub use judge::Came;
 pub use map::{MapRequest, error_map};
-pub use permitted::{Permitted, Verdict};
-pub use readers::{Came, DriverCase, Odd, ReaderReport};
-pub use report::{Against, Asked, Case, Found, Report, ResultScalar, Worst, command};
+pub use permitted::{PermittedAt, Verdict};
+pub use readers::{DriverCase, Odd, ReaderReport};
+pub use report::{Against, Asked, Found, Report, Worst};
 pub use rewrite::Gain;
 pub use sample::Tally;
 
@@ -48,7 +55,7 @@ use crate::run::call::Refusal;
 use crate::run::call::pure::{Pure, PureRequest};
 use crate::run::reader::Reader;
 use crate::source::Source;
-use crate::{Diagnostic, Options, Severity};
+use crate::{Diagnostic, Options};
 use climb::{Climbs, Whose};
 use deadline::Deadline;
 use drivers::Drivers;
@@ -65,7 +72,7 @@ pub struct Request {
     pub domain: Option<Value>,
     /// What random numbers start from.
     pub seed: u64,
-    /// Samples to run.
+    /// Samples to run; a domain of no more inputs is run whole, each input once.
     pub samples: u64,
     /// Time for sampling; what is found is looked at in half as much again.
     pub time: Option<Duration>,
@@ -122,22 +129,31 @@ pub fn stress(
 ) -> Result<Report, Box<Refusal>> {
     let began = Instant::now();
     let pure = Pure::new(source, options, &request.pure)?;
-    let inputs = input::inputs(&pure);
     let refused =
         |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
-    let domain =
-        super::inputs::domain(source, &pure, &inputs, request.domain.as_ref()).map_err(&refused)?;
     let against = match &request.against {
         Some((source, other)) => Some(Pure::new(source, options, other)?),
         None => None,
     };
-    let generator = Generator::new(&inputs, &domain, request.seed);
+    let others: Vec<&Pure> = against.iter().collect();
+    let inputs = matched::shared(&pure, &others);
+    let held = |other| match matched::matched(&pure, &inputs, other) {
+        Ok(order) => Ok((other, order)),
+        Err(reason) => {
+            let message = format!("`{}` does not fit: {reason}", other.shown);
+            Err(refused(Diagnostic::about("cannot-compare", message, None, "--against")))
+        }
+    };
+    let against = against.as_ref().map(held).transpose()?;
+    let domain =
+        super::inputs::domain(source, &pure, &inputs, request.domain.as_ref()).map_err(&refused)?;
+    let generator = Generator::new(&inputs, &domain, request.seed).or_every(request.samples);
     let threads = match request.threads {
         0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
         given => given,
     };
     let plan = Plan {
-        samples: request.samples,
+        samples: generator.all().unwrap_or(request.samples),
         until: Deadline::after(request.time, &request.stop),
         threads,
         steps: request.steps,
@@ -145,7 +161,7 @@ pub fn stress(
         budget: request.budget,
     };
     let failed = |failure: crate::run::reader::Failure| {
-        refused(finding("cannot-run", failure.message, None, &source.path))
+        refused(Diagnostic::about("cannot-run", failure.message, None, &source.path))
     };
     let mut drivers = Drivers::new(&pure, &inputs, readers, &plan);
     let started = Instant::now();
@@ -156,7 +172,10 @@ pub fn stress(
     let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
     let until = Deadline::after(Some(more), &request.stop).with_grace(GRACE);
     let after = Plan { until: until.clone(), ..plan.clone() };
-    let mut climbs = Climbs { tally: Tally::default(), drivers: &mut drivers };
+    drivers.set_until(&until);
+    let every = generator.all().filter(|_| !sampled.stopped);
+    let mut climbs =
+        Climbs { tally: Tally::default(), drivers: &mut drivers, over: every.is_some() };
     let endless: Vec<Sample> = sampled
         .exemplars
         .iter()
@@ -180,17 +199,19 @@ pub fn stress(
     let writing = Plan { until: Deadline::default(), ..plan.clone() };
     Ok(report::report(report::Made {
         source,
+        options,
         request,
         pure: &pure,
         inputs: &inputs,
         domain: &domain,
         plan: &writing,
-        against: against.as_ref(),
+        against,
         families: sampled.families,
         raws,
         worst,
         drivers,
         endless,
+        every,
         stopped: sampled.stopped || until.is_stopped(),
         rate: ran as f64 / sampling.as_secs_f64().max(1.0e-9),
         threads,
@@ -239,27 +260,14 @@ fn worst_on_drivers(
 ) {
     climbs.drivers.flush();
     let mut random = Random::new(13, 13);
-    let height = |why: drivers::Why| {
-        move |off: &Off| if why == drivers::Why::Ulp { off.ulp } else { off.steps }
-    };
+    let height =
+        |why: judge::Why| move |off: &Off| if why == judge::Why::Ulp { off.ulp } else { off.steps };
     for driver in 0..climbs.drivers.len() {
-        for why in [drivers::Why::Ulp, drivers::Why::Steps] {
+        for why in [judge::Why::Ulp, judge::Why::Steps] {
             for (start, from) in climbs.drivers.starts(driver, why) {
                 let up = (height(why), Whose::Driver(driver, from));
                 climb::climb(pure, generator, plan, &start, up, &mut random, climbs);
             }
         }
-    }
-}
-
-fn finding(code: &'static str, message: String, help: Option<String>, about: &str) -> Diagnostic {
-    Diagnostic {
-        code,
-        severity: Severity::Error,
-        message,
-        path: Some(about.to_string()),
-        labels: Vec::new(),
-        notes: Vec::new(),
-        help,
     }
 }

@@ -11,7 +11,7 @@ use crate::run::eval::{Precision, Settings};
 
 /// What is permitted at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Permitted {
+pub struct PermittedAt {
     /// The farthest from the `f64` that a conformant device may be, in steps; infinite where it
     /// may give anything.
     pub steps: f64,
@@ -51,7 +51,7 @@ pub(super) fn verdict(pure: &Pure, sample: &Sample, plan: &Plan, given: &[f32]) 
 }
 
 /// What is permitted at a sample; none where it is not known, as of `f16`.
-pub(super) fn permitted(pure: &Pure, sample: &Sample, plan: &Plan) -> Option<Permitted> {
+pub(super) fn permitted(pure: &Pure, sample: &Sample, plan: &Plan) -> Option<PermittedAt> {
     let columns = columns(std::slice::from_ref(sample));
     let both = pure.call(&columns, 1, &settings(plan, false)).ok()?;
     let around = Settings { precision: Precision::Permitted, ..settings(plan, false) };
@@ -67,5 +67,5 @@ pub(super) fn permitted(pure: &Pure, sample: &Sample, plan: &Plan) -> Option<Per
     let most = farthest(&called, &floats, 0, &truth)?;
     // A branch that may go the other way may lead anywhere.
     let any = most.unsure || own.iter().any(|off| off.is_nan()) || most.far >= 0.5 * worst;
-    Some(Permitted { steps: most.steps, any })
+    Some(PermittedAt { steps: most.steps, any })
 }

@@ -2,19 +2,20 @@
 //!
 //! Made of what [`drivers`](super::drivers) kept; part of the [`Report`](super::Report).
 
+use super::case::{Case, Writing, case};
 use super::condition::{Condition, condition};
-use super::drivers::{Answered, Drivers, Why, error};
+use super::drivers::Drivers;
 use super::hazard::{self, Hazard};
-use super::input::{Input, Sample};
+use super::input::Sample;
+use super::judge::{Answered, Came, Seen, Why, came};
 use super::measure::{Off, Outcome, floats};
-use super::permitted::{Permitted, Verdict, permitted, verdict};
-use super::report::{Asked, Case, Found, case, place_of_name};
+use super::permitted::{PermittedAt, Verdict, permitted, verdict};
+use super::report::{Asked, Found, place_of_name};
 use super::sample::{Plan, Tally, columns, settings};
 use super::shrink::plausible;
 use crate::lint::Level;
 use crate::run::call::pure::Pure;
 use crate::run::reader::{Device, Failure};
-use crate::source::Source;
 
 /// A driver beside the evaluator.
 #[derive(Clone, Debug)]
@@ -48,17 +49,6 @@ pub struct Odd {
     pub count: u64,
     /// The worst of them.
     pub cases: Vec<DriverCase>,
-}
-
-/// What a driver's results come to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Came {
-    /// One is NaN.
-    NotANumber,
-    /// One is infinite.
-    Infinite,
-    /// All are finite; how far off, where an `f32` can hold what they should be.
-    Finite(Option<Off>),
 }
 
 /// A sample on a driver.
@@ -122,14 +112,6 @@ impl ReaderReport {
     }
 }
 
-/// What is needed to write up a sample.
-pub(super) struct Writing<'a> {
-    pub pure: &'a Pure,
-    pub inputs: &'a [Input],
-    pub plan: &'a Plan,
-    pub source: &'a Source,
-}
-
 /// The reports of all drivers.
 pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<ReaderReport> {
     let mut reports = Vec::new();
@@ -153,21 +135,28 @@ pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<Reade
             hidden,
             apart,
             parted: seen.parted,
-            failure: seen.failure.as_ref().map(|failure| {
-                let mut lines = failure.log.lines().filter(|line| !line.trim().is_empty());
-                let first = lines.clone().next();
-                let log = lines.find(|line| line.contains("error")).or(first);
-                match (seen.tally.samples, log) {
-                    (0, Some(log)) => format!("{}: {}", failure.message, log.trim()),
-                    (0, None) => failure.message.clone(),
-                    (ran, _) => format!("after {ran} samples: {}", failure.message),
-                }
-            }),
+            failure: failure(&seen),
             tally: seen.tally,
             device: Some(seen.device),
         });
     }
     reports
+}
+
+/// Why a driver did not run, or ran no further.
+fn failure(seen: &Seen) -> Option<String> {
+    let ran = seen.tally.samples;
+    let Some(failure) = &seen.failure else {
+        return (seen.cut && ran == 0).then(|| "the time was up before it was done".to_string());
+    };
+    let mut lines = failure.log.lines().filter(|line| !line.trim().is_empty());
+    let first = lines.clone().next();
+    let log = lines.find(|line| line.contains("error")).or(first);
+    Some(match (ran, log) {
+        (0, Some(log)) => format!("{}: {}", failure.message, log.trim()),
+        (0, None) => failure.message.clone(),
+        (ran, _) => format!("after {ran} samples: {}", failure.message),
+    })
 }
 
 /// Whether the bounds of a driver are known: OpenGL's compiler has its own ways to invert a matrix,
@@ -182,21 +171,15 @@ fn known(pure: &Pure, device: &Device) -> bool {
 
 /// A sample with what a driver gives for it.
 fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f32]) -> DriverCase {
-    let Writing { pure, inputs, plan, source } = writing;
+    let Writing { pure, inputs, plan, .. } = writing;
     let truth = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings(plan, false));
     let floats = floats(pure);
-    let off = truth.ok().and_then(|truth| {
-        error(floats.len(), |nth| {
-            let (result, at) = floats[nth];
-            (results[nth], truth.results[result].doubles[at][0])
-        })
-    });
-    let outcome = match off {
-        _ if results.iter().any(|x| x.is_nan()) => Came::NotANumber,
-        _ if results.iter().any(|x| x.is_infinite()) => Came::Infinite,
-        off => Came::Finite(off),
+    let double = |nth: usize| {
+        let (result, at) = floats[nth];
+        truth.as_ref().map_or(f64::NAN, |truth| truth.results[result].doubles[at][0])
     };
-    let mut case = case(pure, plan, source, sample);
+    let outcome = came(floats.len(), |nth| (results[nth], double(nth)));
+    let mut case = case(writing, sample);
     case.arguments.extend(["--reader".to_string(), device.reader.to_string()]);
     DriverCase {
         outcome,
@@ -239,7 +222,7 @@ pub(super) fn on_a_driver(
         condition: found.condition.clone(),
         gain: None,
         // By what the driver gives, not the evaluator.
-        permitted: permitted(pure, sample, plan).map(|p| Permitted { any: !wrong, ..p }),
+        permitted: permitted(pure, sample, plan).map(|p| PermittedAt { any: !wrong, ..p }),
         against: None,
         readers: Vec::new(),
         seen: usize::try_from(seen).unwrap_or(usize::MAX),

@@ -2,8 +2,8 @@
 //!
 //! Made by [`stress`](super::stress()), printed by [`emit::stress`](crate::emit::stress).
 
-use serde_json::Value;
-
+use super::Request;
+use super::case::{Case, Writing, case, command, fixed};
 use super::classify::{Performed, examine};
 use super::condition::{Condition, condition};
 use super::domain::Domain;
@@ -12,14 +12,13 @@ use super::find::Raw;
 use super::generate::Family;
 use super::hazard::{self, Hazard};
 use super::input::{Input, Sample};
-use super::measure::{Off, Outcome, outcome};
-use super::permitted::{Permitted, permitted};
-use super::readers::{ReaderReport, Writing, ask, on_a_driver, reports};
+use super::measure::{Off, Outcome, floats, outcome};
+use super::permitted::{PermittedAt, permitted};
+use super::readers::{ReaderReport, ask, on_a_driver, reports};
 use super::rewrite::{Gain, gain};
 use super::sample::{Plan, Tally, columns, settings};
-use super::{Request, measure};
+use crate::Options;
 use crate::lint::{Finding, Level, Place as LintPlace, Related};
-use crate::run::bound::Data;
 use crate::run::call::pure::Pure;
 use crate::run::eval::{Floats, Place, UndefinedKind};
 use crate::source::{Files, Source};
@@ -43,6 +42,8 @@ pub struct Report {
     pub seconds: f64,
     /// Whether it was stopped before all samples had run.
     pub stopped: bool,
+    /// How many inputs there are, where every one of them ran.
+    pub every: Option<u64>,
     /// What the function reads, and what each may be.
     pub inputs: Vec<(Input, String)>,
     /// By family of samples: how they came out.
@@ -70,33 +71,6 @@ pub struct Worst {
     pub condition: Option<Condition>,
     /// Its inputs.
     pub sample: Case,
-}
-
-/// One sample, readable and repeatable.
-#[derive(Clone, Debug)]
-pub struct Case {
-    /// The inputs by path, in JSON.
-    pub inputs: Vec<(String, String)>,
-    /// The same flat: vectors and scalars, integers as numbers.
-    pub flat: Vec<(String, Vec<f64>)>,
-    /// Its results.
-    pub results: Vec<ResultScalar>,
-    /// The arguments of `landfall run` that repeat it.
-    pub arguments: Vec<String>,
-    /// The same as values: arguments, block contents, inputs.
-    pub values: (Vec<Value>, Data, Vec<(String, Value)>),
-    pub(super) words: Sample,
-}
-
-/// A scalar of a result.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ResultScalar {
-    /// The way to it: `result.x`.
-    pub path: String,
-    /// In `f32`.
-    pub single: f32,
-    /// In `f64`.
-    pub double: f64,
 }
 
 /// A finding.
@@ -127,7 +101,7 @@ pub struct Found {
     /// What the robust form would make of it.
     pub gain: Option<Gain>,
     /// How far conformant devices may be apart there; none where that is not known.
-    pub permitted: Option<Permitted>,
+    pub permitted: Option<PermittedAt>,
     /// What the function it is held against gives for the same input.
     pub against: Option<Against>,
     /// What drivers give for it.
@@ -160,17 +134,20 @@ pub struct Asked {
 
 pub(super) struct Made<'a> {
     pub source: &'a Source,
+    pub options: &'a Options,
     pub request: &'a Request,
     pub pure: &'a Pure,
     pub inputs: &'a [Input],
     pub domain: &'a Domain,
     pub plan: &'a Plan,
-    pub against: Option<&'a Pure>,
+    /// The function findings are held against, and what its scalars are given of a sample.
+    pub against: Option<(&'a Pure, Vec<Option<usize>>)>,
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<Raw>,
     pub worst: Vec<(Sample, Off)>,
     pub drivers: Drivers<'a>,
     pub endless: Vec<Sample>,
+    pub every: Option<u64>,
     pub stopped: bool,
     pub rate: f64,
     pub threads: usize,
@@ -183,7 +160,8 @@ const EACH: [usize; 2] = [12, 3];
 
 pub(super) fn report(mut made: Made<'_>) -> Report {
     let Made { pure, inputs, plan, source, .. } = made;
-    let writing = Writing { pure, inputs, plan, source };
+    let fixed = fixed(source, made.options, &made.request.pure.textures);
+    let writing = Writing { pure, inputs, plan, source, fixed: &fixed };
     let readers = reports(&made.drivers, &writing);
     let mut total = Tally::default();
     for (family, tally) in &made.families {
@@ -204,8 +182,9 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
             }
             continue;
         }
-        let other = made.against.map(|other| against(pure, other, plan, &raw.sample));
-        findings.push(Found { against: other, ..found(pure, inputs, plan, made.source, raw) });
+        let other = made.against.as_ref();
+        let other = other.map(|(other, order)| against(other, order, plan, &raw.sample));
+        findings.push(Found { against: other, ..found(&writing, raw) });
     }
     for (code, count) in more {
         notes.push(format!("{code} is found in {count} further lines"));
@@ -216,14 +195,16 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
     }
     ask(&mut made.drivers, &mut findings);
     // No driver is asked for what may never end.
-    findings.extend(made.endless.first().map(|sample| endless(pure, plan, made.source, sample)));
-    if !readers.is_empty() && made.request.pure.floats != Floats::AsWritten {
-        notes.push("drivers run it as it is written, not rounded to f16".to_string());
+    findings.extend(made.endless.first().map(|sample| endless(&writing, sample)));
+    if made.request.pure.floats != Floats::AsWritten {
+        let who = if readers.is_empty() { "" } else { "drivers and " };
+        let what = "the commands that repeat a sample run it as it is written, not rounded to f16";
+        notes.push(format!("{who}{what}"));
     }
     let worst = made.worst.into_iter().map(|(sample, off)| Worst {
         off,
         condition: condition(pure, inputs, &sample, plan),
-        sample: case(pure, plan, made.source, &sample),
+        sample: case(&writing, &sample),
     });
     let within = made.domain.within.iter().map(|within| within.text());
     Report {
@@ -239,6 +220,7 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
         threads: made.threads,
         seconds: made.seconds,
         stopped: made.stopped,
+        every: made.every,
         inputs: inputs.iter().cloned().zip(within).collect(),
         families: made.families,
         total,
@@ -250,7 +232,8 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
     }
 }
 
-fn found(pure: &Pure, inputs: &[Input], plan: &Plan, source: &Source, raw: Raw) -> Found {
+fn found(writing: &Writing<'_>, raw: Raw) -> Found {
+    let Writing { pure, inputs, plan, .. } = writing;
     let hazard = raw.candidate.hazard;
     let semantic = [
         &hazard::HIGHLIGHT_FROM_BEHIND,
@@ -273,7 +256,7 @@ fn found(pure: &Pure, inputs: &[Input], plan: &Plan, source: &Source, raw: Raw) 
         breach: is_rule.then_some(raw.severity),
         condition: condition(pure, inputs, &raw.sample, plan)
             .filter(|_| raw.candidate.kind.is_none()),
-        case: case(pure, plan, source, &raw.sample),
+        case: case(writing, &raw.sample),
         gain,
         permitted: permitted(pure, &raw.sample, plan),
         against: None,
@@ -283,18 +266,18 @@ fn found(pure: &Pure, inputs: &[Input], plan: &Plan, source: &Source, raw: Raw) 
     }
 }
 
-fn endless(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Found {
+fn endless(writing: &Writing<'_>, sample: &Sample) -> Found {
     Found {
         hazard: &hazard::ENDLESS_LOOP,
         level: Level::Deny,
-        place: place_of_name(pure),
+        place: place_of_name(writing.pure),
         reader: None,
         operation: None,
         kind: None,
         about: Vec::new(),
         outcome: Outcome::Discarded,
         breach: None,
-        case: case(pure, plan, source, sample),
+        case: case(writing, sample),
         condition: None,
         gain: None,
         permitted: None,
@@ -314,93 +297,15 @@ pub(super) fn place_of_name(pure: &Pure) -> Place {
     Place { function, span, shown }
 }
 
-/// What another function gives for a sample: inputs of one path are the same.
-fn against(pure: &Pure, other: &Pure, plan: &Plan, sample: &Sample) -> Against {
-    let paths = |pure: &Pure| -> Vec<String> {
-        pure.parameters.iter().flat_map(|parameter| parameter.scalars.clone()).collect()
-    };
-    let own = paths(pure);
-    let word = |path: &String| own.iter().position(|known| known == path).map(|at| sample[at]);
-    let words: Sample = paths(other).iter().map(|path| word(path).unwrap_or(0)).collect();
+/// What another function gives for a sample, each of its scalars one of those or nothing it reads.
+fn against(other: &Pure, order: &[Option<usize>], plan: &Plan, sample: &Sample) -> Against {
+    let words: Sample = order.iter().map(|at| at.map_or(0, |at| sample[at])).collect();
     let called = other.call(&columns(&[words]), 1, &settings(plan, false));
     let outcome = match called {
-        Ok(called) => outcome(&called, &measure::floats(other), 0),
+        Ok(called) => outcome(&called, &floats(other), 0),
         Err(_) => Outcome::Discarded,
     };
     Against { function: other.shown.clone(), outcome }
-}
-
-/// A value without the members that are zero; none where nothing is left.
-fn some(value: &serde_json::Value) -> Option<serde_json::Value> {
-    use serde_json::Value;
-    let kept = match value {
-        Value::Object(members) => {
-            let members =
-                members.iter().filter_map(|(key, value)| Some((key.clone(), some(value)?)));
-            let members: serde_json::Map<String, Value> = members.collect();
-            return (!members.is_empty()).then_some(Value::Object(members));
-        }
-        Value::Array(items) => items.iter().any(|item| some(item).is_some()),
-        // The zero below zero is another number.
-        Value::Number(number) => number.as_f64().is_none_or(|x| x.to_bits() != 0),
-        Value::Bool(set) => *set,
-        Value::Null => false,
-        Value::String(_) => true,
-    };
-    kept.then(|| value.clone())
-}
-
-/// A sample as people read it.
-pub(super) fn case(pure: &Pure, plan: &Plan, source: &Source, sample: &Sample) -> Case {
-    let (arguments, data, given) = pure.json(sample);
-    let values = (arguments.clone(), data.clone(), given.clone());
-    let mut inputs = Vec::new();
-    let mut words = arguments.iter();
-    let mut named = given.iter();
-    for parameter in &pure.parameters {
-        use crate::run::call::pure::Origin;
-        let value = match &parameter.origin {
-            Origin::Argument(_) => words.next().cloned(),
-            Origin::Input => named.next().map(|(_, value)| value.clone()),
-            Origin::Block(block, member) => {
-                data.get(block).and_then(|block| block.get(member)).cloned()
-            }
-        };
-        inputs.push((parameter.path.clone(), value.unwrap_or_default().to_string()));
-    }
-    let mut line = vec!["run".to_string(), source.path.clone()];
-    line.extend(["--fn".to_string(), pure.shown.clone()]);
-    if !arguments.is_empty() {
-        line.extend(["--args".to_string(), serde_json::Value::from(arguments).to_string()]);
-    }
-    // What is not given is zero.
-    let data = serde_json::Value::from(data);
-    if let Some(data) = some(&data) {
-        line.extend(["--data".to_string(), data.to_string()]);
-    }
-    for (name, value) in given.into_iter().filter(|(_, value)| some(value).is_some()) {
-        line.extend(["--input".to_string(), format!("{name}={value}")]);
-    }
-    let settings = settings(plan, false);
-    let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
-    let mut results = Vec::new();
-    if let Ok(called) = &called {
-        for (nth, at) in measure::floats(pure) {
-            let result = &pure.results[nth];
-            results.push(ResultScalar {
-                path: format!("{}{}", result.name, pure.result_path(nth, at)),
-                single: f32::from_bits(called.results[nth].words[at][0] as u32),
-                double: called.results[nth].doubles[at][0],
-            });
-        }
-    }
-    let flat = super::input::inputs(pure)
-        .iter()
-        .map(|input| {
-            (input.path.clone(), input.range().map(|at| input.number(sample[at])).collect())
-        })
-        .collect();
-    Case { inputs, flat, results, arguments: line, values, words: sample.clone() }
 }
 
 impl Report {
@@ -447,16 +352,4 @@ impl Found {
             fix: Vec::new(),
         }
     }
-}
-
-/// A command line for a shell.
-pub fn command(arguments: &[String]) -> String {
-    let quoted = arguments.iter().map(|argument| {
-        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=".contains(c);
-        match argument.chars().all(plain) && !argument.is_empty() {
-            true => argument.clone(),
-            false => format!("'{}'", argument.replace('\'', "'\\''")),
-        }
-    });
-    format!("landfall {}", quoted.collect::<Vec<_>>().join(" "))
 }

@@ -1,5 +1,4 @@
-//! Runs the samples: both cores, a chunk at a time, keeping sums and the few samples worth a
-//! closer look.
+//! Runs the samples on all cores, a chunk at a time, and merges what the threads kept.
 //!
 //! Takes chunks of [`generate`](super::generate); feeds [`find`](super::find), and the
 //! [`drivers`](super::drivers), which the calling thread owns.
@@ -13,12 +12,13 @@ use rustc_hash::FxHashMap;
 pub(super) use super::super::inputs::columns;
 use super::deadline::Deadline;
 use super::drivers::{Batch, Drivers};
-use super::generate::{Chunk, Family, Generator, TAG_BITS};
+use super::generate::{Family, Generator};
 use super::input::Sample;
-use super::measure::{Outcome, Spread, floats, outcome};
-use crate::run::call::pure::{Pure, PureCalled};
+use super::measure::{Outcome, Spread};
+use super::worker::Worker;
+use crate::run::call::pure::Pure;
 use crate::run::eval::{Precision, Settings, UndefinedKind};
-use crate::run::reader::{Failure, FailureKind};
+use crate::run::reader::Failure;
 
 /// What is known of the samples of one family.
 #[derive(Clone, Debug, Default)]
@@ -90,14 +90,11 @@ pub(super) struct Kept<T = Sample> {
     pub sample: T,
     pub severity: f64,
     /// The chunk and the lane it was in: ties go to the earlier one.
-    at: (usize, usize),
+    pub at: (usize, usize),
 }
 
 /// Samples by how they were made and why they are kept.
 pub(super) type Exemplars = FxHashMap<(u32, Why), Kept>;
-
-/// Exemplars a thread keeps.
-const KEPT: usize = 6000;
 
 /// How samples are run.
 #[derive(Clone, Debug)]
@@ -117,7 +114,7 @@ pub(super) struct Sampled {
     pub families: Vec<(Family, Tally)>,
     pub exemplars: Exemplars,
     /// The worst finite ones: by units of the last place, and by steps.
-    tops: [Vec<Kept>; 2],
+    pub tops: [Vec<Kept>; 2],
     /// Whether somebody said stop, or the time was up.
     pub stopped: bool,
 }
@@ -126,6 +123,12 @@ pub(super) struct Sampled {
 const TOPS: usize = 3;
 
 impl Sampled {
+    /// Of no sample yet.
+    pub fn new() -> Sampled {
+        let families = Family::ALL.map(|family| (family, Tally::default())).to_vec();
+        Sampled { families, ..Sampled::default() }
+    }
+
     /// Where to climb from: 0 for units of the last place, 1 for steps.
     pub fn starts(&self, which: usize) -> impl Iterator<Item = &Sample> {
         self.tops[which].iter().map(|kept| &kept.sample)
@@ -188,7 +191,7 @@ pub(super) fn run(
             let all = done.fetch_add(lanes.max(1), Ordering::Relaxed) + lanes;
             progress(all);
         }
-        Ok(mine.finish())
+        Ok(mine.sampled)
     };
     let threads = plan.threads.max(1);
     let alone = drivers.idle();
@@ -205,14 +208,12 @@ pub(super) fn run(
             };
             let handles: Vec<_> = (0..threads).map(spawn).collect();
             drop(to);
-            from.iter().for_each(|batch| drop(drivers.run(&batch)));
+            from.iter().for_each(|batch| drivers.take(&batch));
             handles.into_iter().map(|h| h.join().expect("sampling does not panic")).collect()
         })
     };
-    let mut all = Sampled {
-        families: Family::ALL.map(|family| (family, Tally::default())).to_vec(),
-        ..Sampled::default()
-    };
+    let mut all = Sampled::new();
+    all.stopped = drivers.is_cut();
     for part in parts {
         let part = part?;
         all.stopped |= part.stopped;
@@ -231,156 +232,9 @@ pub(super) fn run(
     Ok(all)
 }
 
-struct Worker<'a> {
-    pure: &'a Pure,
-    plan: &'a Plan,
-    floats: Vec<(usize, usize)>,
-    sampled: Sampled,
-    /// Where drivers get their batches from.
-    to: Option<SyncSender<Batch>>,
-}
-
-impl<'a> Worker<'a> {
-    fn new(pure: &'a Pure, plan: &'a Plan, to: Option<SyncSender<Batch>>) -> Worker<'a> {
-        let sampled = Sampled {
-            families: Family::ALL.map(|family| (family, Tally::default())).to_vec(),
-            ..Sampled::default()
-        };
-        Worker { pure, plan, floats: floats(pure), sampled, to }
-    }
-
-    fn finish(self) -> Sampled {
-        self.sampled
-    }
-
-    fn run(&mut self, number: usize, chunk: &Chunk) -> Result<(), Failure> {
-        let watch = matches!(chunk.family, Family::Coincidences | Family::Scenes);
-        self.part(number, chunk, 0..chunk.samples.len(), watch)
-    }
-
-    /// Runs lanes of a chunk; those that do not end are found by halving.
-    fn part(
-        &mut self,
-        number: usize,
-        chunk: &Chunk,
-        lanes: std::ops::Range<usize>,
-        watch: bool,
-    ) -> Result<(), Failure> {
-        if lanes.is_empty() {
-            return Ok(());
-        }
-        let samples = &chunk.samples[lanes.clone()];
-        let settings = settings(self.plan, watch);
-        let columns = columns(samples);
-        match self.pure.call(&columns, samples.len(), &settings) {
-            Ok(called) => {
-                let at = (number, lanes.start);
-                let outcomes = self.judge(number, chunk, lanes, &called);
-                if let Some(to) = &self.to {
-                    let special = chunk.family == Family::Special;
-                    let batch = Batch::of(columns, called, &self.floats, outcomes);
-                    // Whoever receives is there until all have sent.
-                    let _ = to.send(Batch { special, at, ..batch });
-                }
-                Ok(())
-            }
-            Err(failure) if failure.kind == FailureKind::TimedOut => {
-                if self.plan.until.is_over() {
-                    self.sampled.stopped = true;
-                    return Ok(());
-                }
-                if lanes.len() == 1 {
-                    let tally = self.tally(chunk.family);
-                    tally.samples += 1;
-                    tally.endless += 1;
-                    let kept = Kept {
-                        sample: chunk.samples[lanes.start].clone(),
-                        severity: 1.0,
-                        at: (number, lanes.start),
-                    };
-                    keep(&mut self.sampled.exemplars, (0, Why::Endless), kept, KEPT);
-                    return Ok(());
-                }
-                let middle = lanes.start + lanes.len() / 2;
-                self.part(number, chunk, lanes.start..middle, watch)?;
-                self.part(number, chunk, middle..lanes.end, watch)
-            }
-            Err(failure) => Err(failure),
-        }
-    }
-
-    fn tally(&mut self, family: Family) -> &mut Tally {
-        let at = Family::ALL.iter().position(|f| *f == family).unwrap_or(0);
-        &mut self.sampled.families[at].1
-    }
-
-    fn judge(
-        &mut self,
-        number: usize,
-        chunk: &Chunk,
-        lanes: std::ops::Range<usize>,
-        called: &PureCalled,
-    ) -> Vec<Outcome> {
-        let mut outcomes = Vec::with_capacity(lanes.len());
-        let special = chunk.family == Family::Special;
-        for lane in 0..lanes.len() {
-            let outcome = outcome(called, &self.floats, lane);
-            outcomes.push(outcome);
-            self.tally(chunk.family).add(outcome);
-            if special {
-                continue;
-            }
-            let nth = lanes.start + lane;
-            if let Outcome::Off(off, _) = outcome {
-                let sample = || chunk.samples[nth].clone();
-                let [by_ulp, by_steps] = &mut self.sampled.tops;
-                top(by_ulp, off.ulp, (number, nth), sample);
-                top(by_steps, off.steps, (number, nth), sample);
-            }
-            let (why, severity) = match outcome {
-                Outcome::Discarded => continue,
-                Outcome::NotANumber => (Why::NotANumber, 2.0),
-                Outcome::Infinite => (Why::Infinite, 1.0),
-                Outcome::Off(off, _) if off.steps < self.plan.steps && off.ulp < self.plan.ulp => {
-                    continue;
-                }
-                Outcome::Off(off, above) => {
-                    (if above { Why::Above } else { Why::Below }, off.steps)
-                }
-            };
-            let tag = chunk.tags[nth];
-            // Of bits, some of all are kept, not only the worst: they are as good as overflow.
-            let tag = match tag {
-                TAG_BITS => (1 << 28) + (nth as u32 & 63),
-                tag => tag,
-            };
-            self.keep(chunk, number, nth, (tag, why), severity);
-        }
-        let mut undefined = 0;
-        for seen in &called.called.notes.undefined {
-            undefined += seen.count;
-            let span = seen.place.span;
-            for &lane in seen.lanes.iter().filter(|_| !special) {
-                let nth = lanes.start + lane;
-                let key = (chunk.tags[nth], Why::Undefined(seen.kind, span.file, span.start));
-                self.keep(chunk, number, nth, key, 0.0);
-            }
-        }
-        self.tally(chunk.family).undefined += undefined;
-        outcomes
-    }
-
-    fn keep(&mut self, chunk: &Chunk, number: usize, nth: usize, key: (u32, Why), severity: f64) {
-        let known = self.sampled.exemplars.get(&key);
-        if known.is_some_and(|known| known.severity >= severity) {
-            return;
-        }
-        let kept = Kept { sample: chunk.samples[nth].clone(), severity, at: (number, nth) };
-        keep(&mut self.sampled.exemplars, key, kept, KEPT);
-    }
-}
-
-fn keep(all: &mut Exemplars, key: (u32, Why), new: Kept, most: usize) {
+/// Keeps a sample where there is none of its kind, or a less severe one; of new kinds no more than
+/// `most`.
+pub(super) fn keep(all: &mut Exemplars, key: (u32, Why), new: Kept, most: usize) {
     let room = all.len() < most;
     match all.get_mut(&key) {
         Some(known) => {

@@ -2,8 +2,9 @@
 //!
 //! Used by the report's lints and by [`emit::stress`](crate::emit::stress).
 
+use super::case::Case;
 use super::measure::Outcome;
-use super::report::{Case, Found};
+use super::report::Found;
 use crate::run::eval::{Number, Operation};
 
 impl Found {

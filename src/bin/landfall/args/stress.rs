@@ -31,7 +31,7 @@ pub struct StressArgs {
     /// What random numbers start from
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Samples to run
+    /// Samples to run; where no more inputs are possible, each of them runs once
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     pub samples: u64,
     /// Seconds to sample at most; what was found is looked at in half as much again

@@ -97,14 +97,16 @@ pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<B
         limit: args.limit,
     };
     let (first, exact) = (&made[0], &made[truth].exact);
-    let calls = match Calls::new(&first.source, &first.exact, exact, &sampling) {
+    let all: Vec<&Pure> = made.iter().map(|one| &one.exact).collect();
+    let calls = match Calls::new(&first.source, &first.exact, &all, exact, &sampling) {
         Ok(calls) => calls,
         Err(refusal) => return refused(&refusal, &style, streams),
     };
     let mut variants = Vec::new();
     for one in &made {
         let variant = Variant::new(&calls, &first.exact, one.pure());
-        let variant = variant.map_err(|reason| wrong(&one.name, reason))?;
+        let variant =
+            variant.map_err(|reason| wrong(&one.name, format!("does not fit: {reason}")))?;
         variants.push(Known {
             made: one,
             evaluated: variant.judged(),

@@ -142,7 +142,9 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
         return Ok(all);
     }
     let one = |(name, what): &(String, String)| {
-        let plan = |options| skip::parse(options).map_err(|error| wrong(name, error));
+        let plan = |options| {
+            skip::parse(options).map_err(|error| wrong(name, format!("is no plan: {error}")))
+        };
         let what = match what.split_once(':') {
             Some(("rust", "seed")) => What::Rust(Form::Seed, 0.0),
             Some(("rust", "ungated")) => rust(Gates::NONE, 0.0),
@@ -150,7 +152,7 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
             Some(("rust", form)) => {
                 let least = form.strip_prefix("robust=").and_then(|x| x.parse::<f64>().ok());
                 let least = least.filter(|least| (0.0..1.0).contains(least)).ok_or_else(|| {
-                    wrong(name, format!("`{form}` is no form that is compiled in")).with_help(
+                    wrong(name, format!("is no form that is compiled in: `{form}`")).with_help(
                         "forms are `seed`, `robust`, `ungated`, and `robust=POWER`, POWER below 1",
                     )
                 })?;
