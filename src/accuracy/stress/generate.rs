@@ -79,6 +79,9 @@ pub(super) struct Chunk {
 pub(super) const WATCHED: usize = 256;
 pub(super) const UNWATCHED: usize = 1024;
 
+/// Chunks of all inputs that are small.
+const SMALL: usize = 32;
+
 /// Tags of samples that are no mutations.
 pub(super) const TAG_BITS: u32 = 1 << 24;
 const TAG_SCENES: u32 = 1 << 20;
@@ -112,8 +115,11 @@ impl<'a> Generator<'a> {
     /// The samples of a chunk: the mutations first, then the other families in turn.
     pub fn chunk(&self, number: usize) -> Chunk {
         if let Some(every) = &self.every {
-            let first = (number * UNWATCHED) as u64;
-            let last = every.count().min(first + UNWATCHED as u64);
+            // Small ones first, so that a slow function has something to show.
+            let small = number.min(SMALL);
+            let first = small * WATCHED + (number - small) * UNWATCHED;
+            let lanes = if number < SMALL { WATCHED } else { UNWATCHED };
+            let [first, last] = [first, first + lanes].map(|nth| every.count().min(nth as u64));
             let samples: Vec<Sample> = (first..last).map(|nth| every.sample(nth)).collect();
             let tags = vec![TAG_BITS; samples.len()];
             return Chunk { family: Family::Every, samples, tags };
