@@ -168,20 +168,20 @@ fn entry(
             TypeInner::Pointer { base, .. } => Some(base),
             _ => None,
         };
-        let value_type = pointed.unwrap_or(*ty);
-        let value = match (places.slot(slot), slot) {
-            (Some(first), _) => new.load(value_type, At { offset: first, ..from })?,
-            (None, Slot::Given(_) | Slot::Zero(_) | Slot::Out) => {
-                new.given(Expression::ZeroValue(value_type))
-            }
+        let first = match (places.slot(slot), slot) {
+            (Some(first), _) => Some(At { offset: first, ..from }),
+            (None, Slot::Given(_) | Slot::Zero(_) | Slot::Out) => None,
         };
-        arguments.push(Some(match pointed {
-            None => value,
-            Some(ty) => {
+        arguments.push(Some(match (pointed, first) {
+            (None, Some(at)) => new.load(*ty, at)?,
+            (None, None) => new.given(Expression::ZeroValue(*ty)),
+            (Some(ty), Some(at)) => {
                 let pointer = new.local(ty);
-                new.statement(Statement::Store { pointer, value });
+                new.load_into(pointer, ty, at)?;
                 pointer
             }
+            // Variables of functions begin as zeros.
+            (Some(ty), None) => new.local(ty),
         }));
     }
     let returned = result.map(|ty| (new.call_result(caller), ty));
@@ -192,16 +192,19 @@ fn entry(
     };
     new.statement(call);
     for (result, first) in pure.results.iter().zip(&places.results) {
-        let (value, ty) = match result.at {
-            None => returned?,
+        let to = At { offset: *first, ..to };
+        match result.at {
+            None => {
+                let (value, ty) = returned?;
+                new.store(ty, value, to)?;
+            }
             Some(at) => {
                 let TypeInner::Pointer { base, .. } = new.types[parameters[at]].inner else {
                     return None;
                 };
-                (new.computed(Expression::Load { pointer: arguments[at]? }), base)
+                new.store_from(arguments[at]?, base, to)?;
             }
-        };
-        new.store(ty, value, At { offset: *first, ..to })?;
+        }
     }
     let one = new.number(1);
     new.put(one, At { offset: places.done, ..to });
