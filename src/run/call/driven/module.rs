@@ -44,8 +44,7 @@ fn invocations(pure: &Pure) -> u32 {
 
 /// What runs a function.
 pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
-    let (group, binding) = pure.module.free_place();
-    let bindings = [(group, binding), (group, binding.saturating_add(1))];
+    let bindings = pure.module.free_places();
     let compute = (Stage::Compute, ShaderStage::Compute);
     let fragment = (Stage::Fragment, ShaderStage::Fragment);
     let [first, second] = match places.words_in > LARGE {
