@@ -17,6 +17,7 @@ use crate::port::{Direction, PortOptions, Ported, port};
 use crate::run::bound;
 use crate::run::call::pure::{Asks, Origin, Pure, Slot};
 use crate::run::eval::ValueType;
+use crate::run::probe::glsl::is_sized;
 use crate::run::reader::{Failure, Resource, StageCode};
 use crate::run::rewrite::{Builtin, Rewritten, Wanted, rewritten};
 use crate::run::verify::{access, code as texts, every, partner};
@@ -169,7 +170,7 @@ impl<'p> User<'p> {
         let mut text = rewritten.text.clone();
         let own = pure.module.entry_points().into_iter().find(|entry| entry.stage == stage.into());
         let size: u32 = own.map_or(1, |entry| entry.workgroup_size.iter().product());
-        let sized = text.contains("local_size_x");
+        let sized = is_sized(&text);
         let (lanes, lane) = match stage {
             Runs::Fragment => {
                 (Lanes::Pixels, format!("uint(gl_FragCoord.y) * {ROW}u + uint(gl_FragCoord.x)"))
