@@ -14,7 +14,7 @@ use naga::{
 
 use super::builder::{At, Builder};
 use super::words::Places;
-use super::{Code, Lanes, ROW, buffer};
+use super::{Code, Lanes, ROW, buffer, refused};
 use crate::Diagnostic;
 use crate::run::Module;
 use crate::run::call::pure::{Asks, Pure, Slot};
@@ -53,10 +53,7 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
     };
     let at = |(stage, entry)| made(pure, places, bindings, entry).map(|module| (stage, module));
     let made = at(first).or_else(|found| at(second).map_err(|_| found));
-    let (stage, module) = made.map_err(|found| {
-        let first = found.first().map_or("no reason given", |f| f.message.as_str());
-        Failure::refused(format!("the call cannot be run: {first}"), "")
-    })?;
+    let (stage, module) = made.map_err(|found| refused(found.first()))?;
     // What became variables of a lane is not bound, and its place may be taken.
     let has = |module: &Module, resource: &Resource| {
         let place = Some(ResourceBinding { group: resource.group, binding: resource.binding });
@@ -77,7 +74,7 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
         }],
         buffers: [buffer(INPUTS, bindings[0]), buffer(OUTPUTS, bindings[1])],
         lanes: match stage {
-            Stage::Fragment => Lanes::Pixels,
+            Stage::Fragment => Lanes::pixels(pure)?,
             _ => Lanes::Groups(invocations(pure)),
         },
     })
@@ -146,7 +143,11 @@ fn entry(
     };
     let blocks = blocks_apart(pure, &mut ir.functions[caller]);
     let mut new = Builder::new(&mut ir.types);
-    let lane = lane(&mut new, stage);
+    let lane = match pure.asks {
+        Asks::Pure => lane(&mut new, stage),
+        // However many pixels run for the sake of derivatives.
+        Asks::Call => new.number(0),
+    };
     let from = new.number(places.words_in);
     let to = new.number(places.words_out);
     let [inputs, outputs] = [inputs, outputs].map(|v| new.given(Expression::GlobalVariable(v)));
