@@ -279,7 +279,16 @@ impl<'t> Rewriter<'t> {
     /// is late itself, and so is a function that reads it.
     fn waits(&mut self, tokens: &[RawToken], head: &[&str], function: bool) -> bool {
         let words: Vec<&'t str> = tokens.iter().map(|token| self.word(token)).collect();
-        let called = words.iter().position(|word| *word == "(").and_then(|at| at.checked_sub(1));
+        let mut depth = 0u32;
+        let opening = words.iter().position(|word| {
+            match *word {
+                "[" | "{" => depth += 1,
+                "]" | "}" => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            depth == 0 && *word == "("
+        });
+        let called = opening.and_then(|at| at.checked_sub(1));
         if function {
             if let Some(called) = called.filter(|_| self.reads(&words)) {
                 self.late_names.insert(words[called]);
@@ -306,21 +315,21 @@ impl<'t> Rewriter<'t> {
                 list.push(to + &value.unwrap_or_default());
                 continue;
             }
-            let Some((name, ty)) = one.name().zip(declared[0].ty()) else { return false };
+            let Some((at, ty)) = one.at().zip(declared[0].ty()) else { return false };
+            let name = one.to[at];
             waits = true;
             self.late_names.insert(name);
             // An array that is not initialised has a size.
-            let to = match one.to.windows(2).any(|pair| pair == ["[", "]"]) {
-                true => to.replacen("[ ]", &format!("[ {} ]", elements(value)), 1),
-                false => to,
+            let sized = |words: &[&'t str]| match words.windows(2).any(|pair| pair == ["[", "]"]) {
+                true => self.joined(words).replacen("[ ]", &format!("[ {} ]", elements(value)), 1),
+                false => self.joined(words),
             };
+            let (to, ty, dims) = (sized(one.to), sized(&ty), sized(&one.to[at + 1..]));
             let value = self.joined(value);
             self.late.push(match value.starts_with('{') {
                 // No expression, but for a variable that begins with it.
                 true => {
-                    let dims = &to[to.rfind(name).map_or(to.len(), |at| at + name.len())..];
-                    let ty = self.joined(&ty);
-                    format!("{{ {ty} landfall_late{dims} = {value} ; {name} = landfall_late ; }}")
+                    format!("{{ {ty} landfall_late {dims} = {value} ; {name} = landfall_late ; }}")
                 }
                 false => format!("{name} = {value} ;"),
             });
@@ -440,7 +449,7 @@ mod tests {
     fn arrays_keep_their_sizes_and_lists_of_values() {
         let (text, late) = made("float a[] = float[](v.x, max(v.y, 0.0));\nfloat[] b = { v.z, };");
         assert_eq!(text, "float a [ 2 ];\nfloat [ 1 ] b;");
-        let own = "{ float [ 1 ] landfall_late = { v . z , } ; b = landfall_late ; }";
+        let own = "{ float [ 1 ] landfall_late  = { v . z , } ; b = landfall_late ; }";
         assert_eq!(late, ["a = float [ ] ( v . x , max ( v . y , 0.0 ) ) ;", own]);
     }
 
