@@ -11,10 +11,12 @@ use std::time::Duration;
 
 use landfall::run::call::driven::DrivenCalled;
 use landfall::run::call::pure::{Pure, PureRequest};
+use landfall::run::call::{Request, call};
 use landfall::run::eval::{Precision, Settings};
 use landfall::run::reader::{Failure, Reader};
 use landfall::{Options, Source};
 use readers::with_readers;
+use serde_json::json;
 
 const LIMIT: Duration = Duration::from_secs(120);
 
@@ -452,6 +454,126 @@ fn a_light_of_a_seed_shader_is_what_the_evaluator_makes_of_it() {
             }
             assert!(lit > lanes / 10, "{lit} of {lanes} lanes are lit");
             assert_eq!(far, 0, "{name}");
+        }
+    });
+}
+
+/// What one call gives, by the reader of that name.
+fn called(reader: &str, path: &str, text: &str, request: &Request) -> Vec<f32> {
+    with_readers(|readers| {
+        let reader = readers.iter_mut().find(|r| r.device().reader == reader).expect("it is here");
+        let source = Source::new(path, text);
+        let report = call(&source, &Options::default(), request, Some(reader.as_mut()));
+        let report = report.unwrap_or_else(|refusal| panic!("{path}: {:?}", refusal.found));
+        let given = report.result.into_iter().chain(report.parameters.into_iter().map(|p| p.2));
+        given.flat_map(|given| given.scalars).map(|scalar| float(scalar.value.bits)).collect()
+    })
+}
+
+fn request(function: &str, arguments: serde_json::Value) -> Request {
+    let arguments = arguments.as_array().expect("a list").clone();
+    let limit = Duration::from_secs(20);
+    Request { function: function.to_string(), arguments, limit, ..Request::default() }
+}
+
+#[test]
+fn what_one_call_is_given_does_not_differ_between_neighbouring_pixels() {
+    let text = "#version 450
+layout(binding = 0) readonly buffer B { float s; };
+float f(float a, float b) { return dFdx(a) + fwidth(b) + dFdy(s) + b; }
+void main() {}
+";
+    let data = json!({"B": {"s": 5}}).as_object().expect("an object").clone();
+    let request = Request { data, ..request("f", json!([3, 7])) };
+    for reader in ["gl", "gpu"] {
+        assert_eq!(called(reader, "slope.frag", text, &request), [7.0], "{reader}");
+    }
+}
+
+#[test]
+fn globals_that_begin_with_what_an_input_gives_are_computed_from_it() {
+    let text = "#version 450
+layout(location = 0) in vec3 v;
+float later();
+float before() { return v.z * 0.5; }
+vec3 n = v * 2.0; vec3 k = n * 2.0;
+vec3 p = v * 4.0, q = p * 2.0; float both[] = float[](q.x, v.y), last[1] = { v.z };
+float calls = before(); float waits = later();
+float later() { return v.x; }
+struct All { vec3 n; vec3 k; vec3 p; vec3 q; float both[2]; float last[1]; float calls; float waits; };
+All f() { return All(n, k, p, q, both, last, calls, waits); }
+void main() {}
+";
+    let pure = pure("late.frag", text, "f");
+    each(&pure, &ALL, 100, |name, columns, called| {
+        for lane in 0..100 {
+            let v = [0, 1, 2].map(|row| float(columns[row][lane]));
+            let scaled = [2.0, 4.0, 4.0, 8.0].into_iter().flat_map(|by| v.map(|v| v * by));
+            let rest = [v[0] * 8.0, v[1], v[2], v[2] * 0.5, v[0]];
+            let wanted: Vec<f32> = scaled.chain(rest).collect();
+            let back: Vec<f32> = called.results[0].iter().map(|all| float(all[lane])).collect();
+            assert_eq!(back, wanted, "{name}, lane {lane}");
+        }
+    });
+}
+
+#[test]
+fn arrays_that_are_written_come_back_within_seconds() {
+    let text = "#version 450
+void f(float x, out float a[400]) { for (int i = 0; i < 400; i++) a[i] = x + float(i); }
+void main() {}
+";
+    for reader in ["gl", "gpu"] {
+        let back = called(reader, "arrays.frag", text, &request("f", json!([3])));
+        let wanted: Vec<f32> = (0..400).map(|i| 3.0 + i as f32).collect();
+        assert_eq!(back, wanted, "{reader}");
+    }
+}
+
+#[test]
+fn derivatives_are_refused_where_every_pixel_would_write_a_buffer() {
+    let text = "#version 450\nlayout(binding = 0) buffer B { int n; };\n\
+                float f(float a) { n = 1; return dFdx(a); }\nvoid main() {}\n";
+    with_readers(|readers| {
+        for reader in readers.iter_mut().filter(|reader| reader.device().reader != "cpu") {
+            let source = Source::new("counts.frag", text);
+            let data = json!({"B": {"n": 2}}).as_object().expect("an object").clone();
+            let given = Request { data, ..request("f", json!([1])) };
+            let report = call(&source, &Options::default(), &given, Some(reader.as_mut()));
+            let found = report.expect_err("every pixel writes").found;
+            assert!(found[0].message.contains("takes derivatives"), "{found:?}");
+        }
+    });
+}
+
+#[test]
+fn a_binding_next_to_the_last_leaves_room_for_the_words() {
+    let text = |binding: u32| {
+        format!(
+            "#version 450\nlayout(binding = {binding}) uniform B {{ float x; }} b;\n\
+             float f(float a) {{ return a + b.x; }}\nvoid main() {{}}\n"
+        )
+    };
+    let data = json!({"B": {"x": 2}}).as_object().expect("an object").clone();
+    let request = Request { data, ..request("f", json!([3])) };
+    // wgpu has 1024 in a group at most.
+    assert_eq!(called("gpu", "late.frag", &text(1000), &request), [5.0]);
+    with_readers(|readers| {
+        let gpu = readers.iter_mut().find(|r| r.device().reader == "gpu").expect("it is here");
+        let source = Source::new("last.frag", text(u32::MAX));
+        let report = call(&source, &Options::default(), &request, Some(gpu.as_mut()));
+        let found = report.expect_err("wgpu has no such binding").found;
+        assert!(found[0].message.contains("index 4294967295 is greater"), "{found:?}");
+    });
+}
+
+#[test]
+fn a_group_is_as_large_as_any_of_its_sides_says() {
+    let text = "#version 450\nlayout(local_size_y = 4) in;\n\
+                float f(float x) { return x * 0.5; }\nvoid main() {}\n";
+    each(&pure("side.comp", text, "f"), &ALL, 100, |name, columns, called| {
+        for (back, given) in called.results[0][0].iter().zip(&columns[0]) {
+            assert_eq!(float(*back), float(*given) * 0.5, "{name}");
         }
     });
 }

@@ -127,10 +127,11 @@ layout(location = 0) INPUT Stage { vec2 uv[2]; flat int id; } stage;
 layout(location = 4) INPUT mat3 basis;
 layout(location = 8) INPUT Bare { flat uvec2 pair; };
 layout(location = 9) INPUT Lamp lamp;
-vec3 first = basis[0] * 2.0;
+vec3 second = basis[0], first = second * 2.0;
+float side = stage.uv[1].y, number = float(pair.y);
 layout(location = 0) out vec4 color;
 void main() {
-    color = vec4(stage.uv[1].y + float(stage.id), first.z + basis[2].x, float(pair.y),
+    color = vec4(side + float(stage.id), first.z + basis[2].x, number,
                  lamp.color.z * lamp.power);
 }";
     let shader = shader("mixed.frag", text);

@@ -283,13 +283,16 @@ impl Module {
         })
     }
 
-    /// A binding nobody has, nor those after it, in a group that somebody has: adapters have few
-    /// groups.
-    pub(super) fn free_place(&self) -> (u32, u32) {
+    /// Bindings nobody has, in a group that somebody has: adapters have few groups.
+    pub(super) fn free_places<const N: usize>(&self) -> [(u32, u32); N] {
         let taken = || self.ir.global_variables.iter().filter_map(|(_, global)| global.binding);
         let group = taken().map(|at| at.group).min().unwrap_or(0);
-        let last = taken().filter(|at| at.group == group).map(|at| at.binding).max();
-        (group, last.map_or(0, |last| last.saturating_add(1)))
+        let mine = taken().filter(|at| at.group == group).map(|at| at.binding);
+        let mine: FxHashSet<u32> = mine.collect();
+        let mut free = (0..u32::MAX).filter(|binding| !mine.contains(binding));
+        std::array::from_fn(|_| {
+            (group, free.next().expect("a shader has fewer than 2^32 bindings"))
+        })
     }
 
     pub(super) fn validated(mut self) -> Result<Module, Vec<Diagnostic>> {

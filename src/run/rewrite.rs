@@ -9,6 +9,8 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+use rustc_hash::FxHashSet;
+
 use crate::parse::glsl::lexer::Kind;
 use crate::parse::glsl::raw::{self, RawText, RawToken};
 use crate::run::verify::partner;
@@ -66,6 +68,11 @@ impl Rewritten {
     }
 }
 
+/// The name a path begins with.
+pub(super) fn root(path: &str) -> &str {
+    path.split(['.', '[']).next().unwrap_or(path)
+}
+
 /// Rewrites a text.
 pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted) -> Rewritten {
     let flat = Source { text: Arc::from(raw::flattened(source, options)), ..source.clone() };
@@ -77,6 +84,7 @@ pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted)
         out: String::new(),
         blocks: Vec::new(),
         late: Vec::new(),
+        late_names: wanted.late.iter().map(String::as_str).collect(),
     };
     let highp = if raw.es { "highp " } else { "" };
     let tokens = &raw.tokens;
@@ -130,6 +138,8 @@ struct Rewriter<'t> {
     out: String,
     blocks: Vec<(String, Option<String>)>,
     late: Vec<String>,
+    /// What has no value before the new `main` runs, as far as the text is read.
+    late_names: FxHashSet<&'t str>,
 }
 
 impl<'t> Rewriter<'t> {
@@ -216,18 +226,22 @@ impl<'t> Rewriter<'t> {
         };
         let close = tokens.iter().rposition(|token| self.word(token) == "}");
         let close = close.unwrap_or(tokens.len() - 1);
-        let members = self.plain(&tokens[opening + 1..close], without).join(" ");
+        let members = self.plain(&tokens[opening + 1..close], without);
         let rest = self.plain(&tokens[close + 1..], without);
         match rest.first().filter(|word| **word != ";") {
             Some(instance) => {
+                self.late_names.insert(instance);
+                let members = members.join(" ");
                 self.blocks.push((name.clone(), Some((*instance).to_string())));
                 let rest = rest.join(" ");
                 let _ = writeln!(self.out, "struct landfall_{name} {{ {members} }};");
                 let _ = writeln!(self.out, "landfall_{name} {rest}");
             }
             None => {
+                let each = apart(&members, ";").flat_map(|member| apart(member, ","));
+                self.late_names.extend(each.filter_map(|one| Declared::of(one).name()));
                 self.blocks.push((name, None));
-                let _ = writeln!(self.out, "{members}");
+                let _ = writeln!(self.out, "{}", members.join(" "));
             }
         }
     }
@@ -260,29 +274,206 @@ impl<'t> Rewriter<'t> {
         self.out.push('\n');
     }
 
-    /// Splits `vec3 n = normalize(v);` where `v` is an input, which has no value there yet.
+    /// Leaves out the values that a declaration begins with where they read what has none yet, as
+    /// `vec3 n = normalize(v);` does of an input, for the new `main` to assign. What is declared so
+    /// is late itself, and so is a function that reads it.
     fn waits(&mut self, tokens: &[RawToken], head: &[&str], function: bool) -> bool {
-        let words: Vec<&str> = tokens.iter().map(|token| self.word(token)).collect();
-        let Some(equals) = words.iter().position(|word| *word == "=") else { return false };
-        let fixed = ["const", "uniform", "out", "buffer", "shared"];
-        if function || equals == 0 || head.iter().any(|word| fixed.contains(word)) {
-            return false;
-        }
-        let reads = words[equals..].iter().any(|word| self.waiting(word));
-        let mut depth = 0i32;
-        let several = words[equals..].iter().any(|word| {
+        let words: Vec<&'t str> = tokens.iter().map(|token| self.word(token)).collect();
+        let mut depth = 0u32;
+        let opening = words.iter().position(|word| {
             match *word {
-                "(" | "[" | "{" => depth += 1,
-                ")" | "]" | "}" => depth -= 1,
+                "[" | "{" => depth += 1,
+                "]" | "}" => depth = depth.saturating_sub(1),
                 _ => {}
             }
-            depth == 0 && *word == ","
+            depth == 0 && *word == "("
         });
-        if !reads || several {
+        let called = opening.and_then(|at| at.checked_sub(1));
+        if function {
+            if let Some(called) = called.filter(|_| self.reads(&words)) {
+                self.late_names.insert(words[called]);
+            }
             return false;
         }
-        let _ = writeln!(self.out, "{};", words[..equals].join(" "));
-        self.late.push(format!("{} {}", words[equals - 1], words[equals..].join(" ")));
-        true
+        let fixed = ["const", "uniform", "out", "buffer", "shared"];
+        if head.iter().any(|word| fixed.contains(word)) {
+            return false;
+        }
+        let words = words.strip_suffix(&[";"]).unwrap_or(&words);
+        let declared: Vec<Declared<'_, 't>> = apart(words, ",").map(Declared::of).collect();
+        if declared.iter().all(|one| one.value.is_none()) {
+            // What a function reads that is defined further on is not known yet.
+            self.late_names.extend(called.map(|called| words[called]));
+            return false;
+        }
+        let mut list = Vec::new();
+        let mut waits = false;
+        for one in &declared {
+            let (to, value) = (self.joined(one.to), one.value.unwrap_or_default());
+            if !self.reads(value) {
+                let value = one.value.map(|value| format!(" = {}", self.joined(value)));
+                list.push(to + &value.unwrap_or_default());
+                continue;
+            }
+            let Some((at, ty)) = one.at().zip(declared[0].ty()) else { return false };
+            let name = one.to[at];
+            waits = true;
+            self.late_names.insert(name);
+            // An array that is not initialised has a size.
+            let sized = |words: &[&'t str]| match words.windows(2).any(|pair| pair == ["[", "]"]) {
+                true => self.joined(words).replacen("[ ]", &format!("[ {} ]", elements(value)), 1),
+                false => self.joined(words),
+            };
+            let (to, ty, dims) = (sized(one.to), sized(&ty), sized(&one.to[at + 1..]));
+            let value = self.joined(value);
+            self.late.push(match value.starts_with('{') {
+                // No expression, but for a variable that begins with it.
+                true => {
+                    format!("{{ {ty} landfall_late {dims} = {value} ; {name} = landfall_late ; }}")
+                }
+                false => format!("{name} = {value} ;"),
+            });
+            list.push(to);
+        }
+        if waits {
+            let _ = writeln!(self.out, "{};", list.join(", "));
+        }
+        waits
+    }
+
+    /// Whether words read what is late; a member of that name is another's.
+    fn reads(&self, words: &[&str]) -> bool {
+        let before = std::iter::once("").chain(words.iter().copied());
+        before.zip(words).any(|(before, word)| before != "." && self.late_names.contains(word))
+    }
+
+    /// Words as they are to be written.
+    fn joined(&self, words: &[&'t str]) -> String {
+        let own = |word: &&'t str| self.builtin(word).map_or(*word, |builtin| builtin.own.as_str());
+        words.iter().map(own).collect::<Vec<&str>>().join(" ")
+    }
+}
+
+/// One of what a declaration declares.
+struct Declared<'w, 't> {
+    /// The first with its type: `vec3 n`; `q [ 2 ]` further on.
+    to: &'w [&'t str],
+    value: Option<&'w [&'t str]>,
+}
+
+impl<'w, 't> Declared<'w, 't> {
+    fn of(words: &'w [&'t str]) -> Declared<'w, 't> {
+        let mut parts = apart(words, "=");
+        Declared { to: parts.next().unwrap_or_default(), value: parts.next() }
+    }
+
+    /// Where its name stands: before its dimensions.
+    fn at(&self) -> Option<usize> {
+        let mut depth = 0u32;
+        self.to.iter().rposition(|word| {
+            match *word {
+                "]" => depth += 1,
+                "[" => depth = depth.saturating_sub(1),
+                _ => return depth == 0,
+            }
+            false
+        })
+    }
+
+    fn name(&self) -> Option<&'t str> {
+        self.at().map(|at| self.to[at])
+    }
+
+    /// The type it begins with; a structure that is declared here by its name.
+    fn ty(&self) -> Option<Vec<&'t str>> {
+        let words = self.to[..self.at()?].to_vec();
+        match words.iter().position(|word| *word == "struct") {
+            Some(at) => words.get(at + 1).map(|name| vec![*name]),
+            None => Some(words),
+        }
+    }
+}
+
+/// Words between those that part them, brackets left whole.
+fn apart<'w, 't>(
+    words: &'w [&'t str],
+    by: &'static str,
+) -> impl Iterator<Item = &'w [&'t str]> + use<'w, 't> {
+    let mut depth = 0u32;
+    words.split(move |word| {
+        match *word {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && *word == by
+    })
+}
+
+/// How many elements `float[](a, b)` and `{ a, b }` have.
+fn elements(value: &[&str]) -> usize {
+    let opening = value.iter().position(|word| matches!(*word, "(" | "{")).unwrap_or(0);
+    let inside = value.get(opening + 1..value.len().saturating_sub(1)).unwrap_or_default();
+    // A comma may come last.
+    apart(inside, ",").filter(|element| !element.is_empty()).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What becomes of a text whose `v` is an input: the declarations, and what is late.
+    fn made(text: &str) -> (String, Vec<String>) {
+        let wanted = Wanted { late: vec!["v".to_string()], ..Wanted::default() };
+        let source = Source::new("a.frag", format!("#version 450\nin vec3 v;\n{text}\n"));
+        let made = rewritten(&source, &ReadOptions::default(), &wanted);
+        let text = made.text.split_once("vec3 v ;\n").expect("the input comes first").1;
+        (text.trim().to_string(), made.late)
+    }
+
+    #[test]
+    fn what_reads_a_late_variable_is_late_too() {
+        let (text, late) = made("vec3 n = v * 2.0;\nvec3 k = n * 3.0;\nfloat c = 2.0;");
+        assert_eq!(text, "vec3 n;\nvec3 k;\nfloat c = 2.0;");
+        assert_eq!(late, ["n = v * 2.0 ;", "k = n * 3.0 ;"]);
+    }
+
+    #[test]
+    fn only_the_late_ones_of_a_list_wait() {
+        let (text, late) = made("float a[2] = float[2](v.x, 1.0), b = 3.0, c = min(a[1], b), d;");
+        assert_eq!(text, "float a [ 2 ], b = 3.0, c, d;");
+        assert_eq!(late, ["a = float [ 2 ] ( v . x , 1.0 ) ;", "c = min ( a [ 1 ] , b ) ;"]);
+    }
+
+    #[test]
+    fn arrays_keep_their_sizes_and_lists_of_values() {
+        let (text, late) = made("float a[] = float[](v.x, max(v.y, 0.0));\nfloat[] b = { v.z, };");
+        assert_eq!(text, "float a [ 2 ];\nfloat [ 1 ] b;");
+        let own = "{ float [ 1 ] landfall_late  = { v . z , } ; b = landfall_late ; }";
+        assert_eq!(late, ["a = float [ ] ( v . x , max ( v . y , 0.0 ) ) ;", own]);
+    }
+
+    #[test]
+    fn what_reads_a_block_of_inputs_is_late() {
+        let (_, late) = made(
+            "in S { vec2 uv; } s;\nin T { flat int id, of[2]; };\nvec2 a = s.uv;\nint b = id;\n\
+             int c = of[1];\nvec2 d = vec2(1.0);",
+        );
+        assert_eq!(late, ["a = s . uv ;", "b = id ;", "c = of [ 1 ] ;"]);
+    }
+
+    #[test]
+    fn functions_that_read_an_input_are_late() {
+        let text = "float after();\nfloat f() { return v.x; }\nfloat g(S s) { return s.v; }\n\
+                    float a = f();\nfloat b = g(s);\nfloat c = after();";
+        let late = made(text).1;
+        assert_eq!(late, ["a = f ( ) ;", "c = after ( ) ;"]);
+    }
+
+    #[test]
+    fn constants_and_what_reads_nothing_stay_as_they_were_written() {
+        for text in ["const float a = 1.0, b = 2.0;", "float v2 = s.v;"] {
+            assert_eq!(made(text), (text.to_string(), Vec::new()), "{text}");
+        }
     }
 }

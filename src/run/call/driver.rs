@@ -3,7 +3,7 @@
 //! The evaluator needs none of it.
 
 use super::arguments::words;
-use super::driven::DrivenCalled;
+use super::driven::{self, DrivenCalled};
 use super::find::{Found, shown};
 use super::pure::{Asks, Origin, Pure, PureRequest};
 use super::{Request, finding};
@@ -34,11 +34,8 @@ pub(super) fn run(
         textures: request.textures.clone(),
         floats: Floats::AsWritten,
     };
-    let pure = Pure::asked(source, options, &wanted, Asks::Call).map_err(|refusal| {
-        let first = refusal.found.first();
-        let message = first.map_or("no reason given", |first| first.message.as_str());
-        Failure::refused(format!("the call cannot be run: {message}"), "")
-    })?;
+    let pure = Pure::asked(source, options, &wanted, Asks::Call)
+        .map_err(|refusal| driven::refused(refusal.found.first()))?;
     let mut columns: Vec<Vec<u64>> = Vec::new();
     for parameter in &pure.parameters {
         let zeros = || vec![vec![0]; parameter.scalars.len()];

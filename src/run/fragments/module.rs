@@ -60,7 +60,7 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
     };
     let inputs = inputs(module, entry)?;
     let (kills, differences) = reaches(module, entry);
-    let atlas = module.free_place();
+    let [atlas] = module.free_places();
     let made = |gives| rebuilt(module, entry, &inputs, atlas, gives);
     let number = entries.iter().position(|other| std::ptr::eq(other, *entry)).unwrap_or(0);
     let uses = module.info.get_entry_point(number);

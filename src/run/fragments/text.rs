@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::{ATLAS, Input, InputKind, PIXEL, SIZE};
 use crate::parse::glsl::raw::{self, RawToken};
-use crate::run::rewrite::{Builtin, MAIN, Wanted, rewritten};
+use crate::run::rewrite::{Builtin, MAIN, Wanted, rewritten, root};
 use crate::run::verify::{code, partner};
 use crate::source::{Language, ReadOptions, Source, Target};
 
@@ -133,11 +133,6 @@ pub(super) fn text(
     }
     out.push_str("}\n");
     code::without(&out, "set")
-}
-
-/// The name a path begins with.
-fn root(path: &str) -> &str {
-    path.split(['.', '[']).next().unwrap_or(path)
 }
 
 /// A statement that makes the first output white.

@@ -58,9 +58,14 @@ pub(crate) fn results(text: &mut String, source: &Source, stage: Runs, head: &He
     let precision = if head.es { "highp " } else { "" };
     let _ =
         writeln!(text, "layout(std430) buffer {RESULTS} {{ {precision}uint landfall_words[]; }};");
-    if stage == Runs::Compute && !source.text.contains("local_size_x") {
+    if stage == Runs::Compute && !is_sized(&source.text) {
         text.push_str("layout(local_size_x = 1) in;\n");
     }
+}
+
+/// Whether a text says how large a workgroup is, in any direction.
+pub(in crate::run) fn is_sized(text: &str) -> bool {
+    text.contains("local_size_")
 }
 
 /// A `main` of that stage, which one invocation runs.

@@ -7,6 +7,8 @@ use naga::{
     MathFunction, Range, Scalar, ScalarKind, Span, Statement, Type, TypeInner, UniqueArena,
 };
 
+use super::words::width;
+
 /// A function and the block that is being written.
 pub(super) struct Builder<'m> {
     pub types: &'m mut UniqueArena<Type>,
@@ -32,7 +34,7 @@ impl At {
     }
 }
 
-/// Arrays of more elements are read in a loop.
+/// Arrays of more elements are read and written in a loop.
 const UNROLLED: u32 = 4;
 
 impl<'m> Builder<'m> {
@@ -146,14 +148,14 @@ impl<'m> Builder<'m> {
         Some(match inner {
             TypeInner::Scalar(scalar) => self.load_scalar(scalar, at)?,
             TypeInner::Vector { size, scalar } => {
-                let width = width(scalar);
+                let width = width(scalar.width);
                 let parts = (0..size as u32).map(|i| self.load_scalar(scalar, at.on(i * width)));
                 let components = parts.collect::<Option<Vec<_>>>()?;
                 self.computed(Expression::Compose { ty, components })
             }
             TypeInner::Matrix { columns, rows, scalar } => {
                 let column = self.ty(TypeInner::Vector { size: rows, scalar });
-                let step = rows as u32 * width(scalar);
+                let step = rows as u32 * width(scalar.width);
                 let parts = (0..columns as u32).map(|i| self.load(column, at.on(i * step)));
                 let components = parts.collect::<Option<Vec<_>>>()?;
                 self.computed(Expression::Compose { ty, components })
@@ -203,7 +205,8 @@ impl<'m> Builder<'m> {
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
                 let step = words(self.types, base)?;
                 if len.get() > UNROLLED {
-                    return self.load_in_a_loop(pointer, base, (len.get(), step), at);
+                    let each = |new: &mut Self, part, at| new.load_into(part, base, at);
+                    return self.in_a_loop(pointer, (len.get(), step), at, each);
                 }
                 for i in 0..len.get() {
                     let part = self.index(pointer, i);
@@ -218,12 +221,13 @@ impl<'m> Builder<'m> {
         Some(())
     }
 
-    fn load_in_a_loop(
+    /// Does something with each element of an array and the words it has.
+    fn in_a_loop(
         &mut self,
         pointer: Handle<Expression>,
-        element: Handle<Type>,
         (len, step): (u32, u32),
         at: At,
+        each: impl FnOnce(&mut Self, Handle<Expression>, At) -> Option<()>,
     ) -> Option<()> {
         let uint = self.ty(TypeInner::Scalar(Scalar::U32));
         let counter = self.local(uint);
@@ -243,7 +247,7 @@ impl<'m> Builder<'m> {
         let skipped = self.binary(BinaryOperator::Multiply, number, step);
         let base = self.binary(BinaryOperator::Add, at.base, skipped);
         let part = self.computed(Expression::Access { base: pointer, index: number });
-        self.load_into(part, element, At { base, ..at })?;
+        each(self, part, At { base, ..at })?;
         self.flush();
         let body = std::mem::take(&mut self.block);
         let number = self.computed(Expression::Load { pointer: counter });
@@ -294,18 +298,23 @@ impl<'m> Builder<'m> {
             TypeInner::Vector { size, scalar } => {
                 for i in 0..size as u32 {
                     let part = self.index(value, i);
-                    self.store_scalar(scalar, part, at.on(i * width(scalar)))?;
+                    self.store_scalar(scalar, part, at.on(i * width(scalar.width)))?;
                 }
             }
             TypeInner::Matrix { columns, rows, scalar } => {
                 let column = self.ty(TypeInner::Vector { size: rows, scalar });
                 for i in 0..columns as u32 {
                     let part = self.index(value, i);
-                    self.store(column, part, at.on(i * rows as u32 * width(scalar)))?;
+                    self.store(column, part, at.on(i * rows as u32 * width(scalar.width)))?;
                 }
             }
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
                 let step = words(self.types, base)?;
+                if len.get() > UNROLLED {
+                    let all = self.local(ty);
+                    self.statement(Statement::Store { pointer: all, value });
+                    return self.store_from(all, ty, at);
+                }
                 for i in 0..len.get() {
                     let part = self.index(value, i);
                     self.store(base, part, at.on(i * step))?;
@@ -320,6 +329,42 @@ impl<'m> Builder<'m> {
                 }
             }
             _ => return None,
+        }
+        Some(())
+    }
+
+    /// Writes what a variable of a type holds, part by part, as [`Builder::load_into`] reads it.
+    pub fn store_from(
+        &mut self,
+        pointer: Handle<Expression>,
+        ty: Handle<Type>,
+        at: At,
+    ) -> Option<()> {
+        let inner = self.types[ty].inner.clone();
+        match inner {
+            TypeInner::Struct { members, .. } => {
+                let mut offset = 0;
+                for (i, member) in (0..).zip(members) {
+                    let part = self.index(pointer, i);
+                    self.store_from(part, member.ty, at.on(offset))?;
+                    offset += words(self.types, member.ty)?;
+                }
+            }
+            TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
+                let step = words(self.types, base)?;
+                if len.get() > UNROLLED {
+                    let each = |new: &mut Self, part, at| new.store_from(part, base, at);
+                    return self.in_a_loop(pointer, (len.get(), step), at, each);
+                }
+                for i in 0..len.get() {
+                    let part = self.index(pointer, i);
+                    self.store_from(part, base, at.on(i * step))?;
+                }
+            }
+            _ => {
+                let value = self.computed(Expression::Load { pointer });
+                self.store(ty, value, at)?;
+            }
         }
         Some(())
     }
@@ -360,18 +405,13 @@ impl<'m> Builder<'m> {
     }
 }
 
-/// Words of a scalar; [`words`](super::words) says the same of what is no type of naga's.
-fn width(scalar: Scalar) -> u32 {
-    if scalar.width == 8 { 2 } else { 1 }
-}
-
 /// Words of a type; none of one that has no value.
 fn words(types: &UniqueArena<Type>, ty: Handle<Type>) -> Option<u32> {
     Some(match &types[ty].inner {
-        TypeInner::Scalar(scalar) => width(*scalar),
-        TypeInner::Vector { size, scalar } => *size as u32 * width(*scalar),
+        TypeInner::Scalar(scalar) => width(scalar.width),
+        TypeInner::Vector { size, scalar } => *size as u32 * width(scalar.width),
         TypeInner::Matrix { columns, rows, scalar } => {
-            *columns as u32 * *rows as u32 * width(*scalar)
+            *columns as u32 * *rows as u32 * width(scalar.width)
         }
         TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
             words(types, *base)?.checked_mul(len.get())?

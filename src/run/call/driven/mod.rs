@@ -14,8 +14,13 @@ mod words;
 
 use std::time::Duration;
 
-use super::pure::Pure;
+use naga::{AddressSpace, Statement};
+
+use super::effects::look;
+use super::pure::{Asks, Pure};
+use crate::Diagnostic;
 use crate::run::eval::Words;
+use crate::run::reach;
 use crate::run::reader::{
     Device, Failure, Grid, Job, Reader, Resource, ResourceKind, StageCode, Texel,
 };
@@ -47,12 +52,18 @@ enum Lanes {
     Groups(u32),
     /// Pixels, [`ROW`] in a row.
     Pixels,
+    /// [`TILE`] by as many pixels that are one lane, for derivatives.
+    Tile,
     /// Vertices.
     Vertices,
 }
 
 /// Pixels of a row.
 const ROW: u32 = 256;
+
+/// Pixels of a side where neighbours are differed: in a tile of so many that is drawn in part,
+/// llvmpipe (Mesa 22.3.6) takes what a neighbour reads of a storage buffer for zeros.
+const TILE: u32 = 64;
 
 /// Bytes of a buffer of one job at most: every driver with storage buffers takes as many
 /// (OpenGL 4.3 table 23.64: 2^24), and a job of as many shows progress.
@@ -126,7 +137,9 @@ impl Driven<'_> {
             // Less than a row of pixels is no whole row.
             let padded = match self.code.lanes {
                 Lanes::Pixels if count < unit => count,
-                Lanes::Pixels | Lanes::Groups(_) | Lanes::Vertices => count.next_multiple_of(unit),
+                Lanes::Pixels | Lanes::Tile | Lanes::Groups(_) | Lanes::Vertices => {
+                    count.next_multiple_of(unit)
+                }
             };
             let bytes = words::packed(self.pure, &self.places, columns, from..from + count, padded);
             job.resources[0].kind = ResourceKind::Storage { bytes, writable: false };
@@ -149,30 +162,60 @@ impl Driven<'_> {
         Ok(called)
     }
 
-    /// Lanes of one job at most, for who wants to time whole jobs.
-    pub fn lanes_a_job(&self) -> usize {
+    /// Lanes of one job at most: what its buffers hold, in whole groups or rows.
+    fn lanes_a_job(&self) -> usize {
         let words = self.places.words_in.max(self.places.words_out) as usize;
         let most = match self.code.lanes {
             Lanes::Groups(_) | Lanes::Pixels => MOST_LANES,
             Lanes::Vertices => MOST_VERTICES,
+            Lanes::Tile => 1,
         };
         let unit = self.code.lanes.unit();
         let fitting = (MOST_BYTES / (words * 4)).min(most);
         match self.code.lanes {
             // Less than a row is a row of its own.
             Lanes::Pixels if fitting < unit => fitting.max(1),
-            Lanes::Pixels | Lanes::Groups(_) | Lanes::Vertices => (fitting / unit * unit).max(unit),
+            Lanes::Pixels | Lanes::Tile | Lanes::Groups(_) | Lanes::Vertices => {
+                (fitting / unit * unit).max(unit)
+            }
         }
     }
 }
 
 impl Lanes {
+    /// How lanes are laid over the pixels of a fragment stage.
+    fn pixels(pure: &Pure) -> Result<Lanes, Failure> {
+        let ir = &pure.module.ir;
+        let caller = ir.functions.iter().last().expect("the caller was appended").1;
+        let seen = look(ir, caller);
+        if pure.asks == Asks::Pure || !seen.derivatives {
+            return Ok(Lanes::Pixels);
+        }
+        let stored = seen.stored.iter().map(|at| ir.global_variables[*at].space);
+        let buffer = |space| matches!(space, AddressSpace::Storage { .. } | AddressSpace::Handle);
+        let image = |s: &Statement| {
+            matches!(s, Statement::ImageStore { .. } | Statement::ImageAtomic { .. })
+        };
+        let functions = reach::functions(ir, caller);
+        if stored.into_iter().any(buffer)
+            || functions.iter().any(|function| reach::statements(&function.body).any(image))
+        {
+            let message = format!(
+                "`{}` takes derivatives, which want several pixels, and each would write \
+                 the buffer or image it writes; name the function that takes them",
+                pure.shown
+            );
+            return Err(Failure::refused(message, ""));
+        }
+        Ok(Lanes::Tile)
+    }
+
     /// Lanes come in multiples of so many.
     fn unit(self) -> usize {
         match self {
             Lanes::Groups(size) => size.max(1) as usize,
             Lanes::Pixels => ROW as usize,
-            Lanes::Vertices => 1,
+            Lanes::Vertices | Lanes::Tile => 1,
         }
     }
 
@@ -183,9 +226,16 @@ impl Lanes {
                 let width = ROW.min(lanes);
                 Grid::Image { width, height: lanes.div_ceil(width.max(1)), texel: Texel::Uint }
             }
+            Lanes::Tile => Grid::Image { width: TILE, height: TILE, texel: Texel::Uint },
             Lanes::Vertices => Grid::Points { count: lanes, texel: Texel::Uint },
         }
     }
+}
+
+/// Why a call cannot be run, by the first of what was found.
+pub(super) fn refused(first: Option<&Diagnostic>) -> Failure {
+    let reason = first.map_or("no reason given", |first| first.message.as_str());
+    Failure::refused(format!("the call cannot be run: {reason}"), "")
 }
 
 /// A buffer without its bytes.

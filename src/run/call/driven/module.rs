@@ -14,7 +14,7 @@ use naga::{
 
 use super::builder::{At, Builder};
 use super::words::Places;
-use super::{Code, Lanes, ROW, buffer};
+use super::{Code, Lanes, ROW, buffer, refused};
 use crate::Diagnostic;
 use crate::run::Module;
 use crate::run::call::pure::{Asks, Pure, Slot};
@@ -44,8 +44,7 @@ fn invocations(pure: &Pure) -> u32 {
 
 /// What runs a function.
 pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
-    let (group, binding) = pure.module.free_place();
-    let bindings = [(group, binding), (group, binding.saturating_add(1))];
+    let bindings = pure.module.free_places();
     let compute = (Stage::Compute, ShaderStage::Compute);
     let fragment = (Stage::Fragment, ShaderStage::Fragment);
     let [first, second] = match places.words_in > LARGE {
@@ -54,10 +53,7 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
     };
     let at = |(stage, entry)| made(pure, places, bindings, entry).map(|module| (stage, module));
     let made = at(first).or_else(|found| at(second).map_err(|_| found));
-    let (stage, module) = made.map_err(|found| {
-        let first = found.first().map_or("no reason given", |f| f.message.as_str());
-        Failure::refused(format!("the call cannot be run: {first}"), "")
-    })?;
+    let (stage, module) = made.map_err(|found| refused(found.first()))?;
     // What became variables of a lane is not bound, and its place may be taken.
     let has = |module: &Module, resource: &Resource| {
         let place = Some(ResourceBinding { group: resource.group, binding: resource.binding });
@@ -78,7 +74,7 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
         }],
         buffers: [buffer(INPUTS, bindings[0]), buffer(OUTPUTS, bindings[1])],
         lanes: match stage {
-            Stage::Fragment => Lanes::Pixels,
+            Stage::Fragment => Lanes::pixels(pure)?,
             _ => Lanes::Groups(invocations(pure)),
         },
     })
@@ -147,7 +143,11 @@ fn entry(
     };
     let blocks = blocks_apart(pure, &mut ir.functions[caller]);
     let mut new = Builder::new(&mut ir.types);
-    let lane = lane(&mut new, stage);
+    let lane = match pure.asks {
+        Asks::Pure => lane(&mut new, stage),
+        // However many pixels run for the sake of derivatives.
+        Asks::Call => new.number(0),
+    };
     let from = new.number(places.words_in);
     let to = new.number(places.words_out);
     let [inputs, outputs] = [inputs, outputs].map(|v| new.given(Expression::GlobalVariable(v)));
@@ -168,20 +168,20 @@ fn entry(
             TypeInner::Pointer { base, .. } => Some(base),
             _ => None,
         };
-        let value_type = pointed.unwrap_or(*ty);
-        let value = match (places.slot(slot), slot) {
-            (Some(first), _) => new.load(value_type, At { offset: first, ..from })?,
-            (None, Slot::Given(_) | Slot::Zero(_) | Slot::Out) => {
-                new.given(Expression::ZeroValue(value_type))
-            }
+        let first = match (places.slot(slot), slot) {
+            (Some(first), _) => Some(At { offset: first, ..from }),
+            (None, Slot::Given(_) | Slot::Zero(_) | Slot::Out) => None,
         };
-        arguments.push(Some(match pointed {
-            None => value,
-            Some(ty) => {
+        arguments.push(Some(match (pointed, first) {
+            (None, Some(at)) => new.load(*ty, at)?,
+            (None, None) => new.given(Expression::ZeroValue(*ty)),
+            (Some(ty), Some(at)) => {
                 let pointer = new.local(ty);
-                new.statement(Statement::Store { pointer, value });
+                new.load_into(pointer, ty, at)?;
                 pointer
             }
+            // Variables of functions begin as zeros.
+            (Some(ty), None) => new.local(ty),
         }));
     }
     let returned = result.map(|ty| (new.call_result(caller), ty));
@@ -192,16 +192,19 @@ fn entry(
     };
     new.statement(call);
     for (result, first) in pure.results.iter().zip(&places.results) {
-        let (value, ty) = match result.at {
-            None => returned?,
+        let to = At { offset: *first, ..to };
+        match result.at {
+            None => {
+                let (value, ty) = returned?;
+                new.store(ty, value, to)?;
+            }
             Some(at) => {
                 let TypeInner::Pointer { base, .. } = new.types[parameters[at]].inner else {
                     return None;
                 };
-                (new.computed(Expression::Load { pointer: arguments[at]? }), base)
+                new.store_from(arguments[at]?, base, to)?;
             }
-        };
-        new.store(ty, value, At { offset: *first, ..to })?;
+        }
     }
     let one = new.number(1);
     new.put(one, At { offset: places.done, ..to });

@@ -27,48 +27,7 @@ const ROWS: [&str; 4] = ["x", "y", "z", "w"];
 
 /// The pieces of a value whose type in the text is that one.
 pub(super) fn plain(ty: &ValueType, new: &dyn Fn(&str) -> String) -> Vec<Piece> {
-    let mut pieces = Vec::new();
-    let mut word = 0;
-    push(ty, String::new(), new, &mut word, &mut pieces);
-    pieces
-}
-
-fn push(
-    ty: &ValueType,
-    path: String,
-    new: &dyn Fn(&str) -> String,
-    word: &mut u32,
-    to: &mut Vec<Piece>,
-) {
-    let mut scalar = |path: String, scalar: Scalar| {
-        to.push(Piece::Scalar { path, scalar, word: *word });
-        *word += width(scalar);
-    };
-    match ty {
-        ValueType::Scalar(one) => scalar(path, *one),
-        ValueType::Vector { scalar: one, rows } => {
-            ROWS[..usize::from(*rows).min(4)]
-                .iter()
-                .for_each(|row| scalar(format!("{path}.{row}"), *one));
-        }
-        ValueType::Matrix { scalar: one, columns, rows } => {
-            for column in 0..*columns {
-                (0..*rows).for_each(|row| scalar(format!("{path}[{column}][{row}]"), *one));
-            }
-        }
-        ValueType::Array { element, len } => {
-            let mut pieces = Vec::new();
-            let mut step = 0;
-            push(element, String::new(), new, &mut step, &mut pieces);
-            to.push(Piece::Array { path, len: *len, step, word: *word, element: pieces });
-            *word += step * len;
-        }
-        ValueType::Struct { members, .. } => {
-            for (name, ty) in members {
-                push(ty, format!("{path}.{}", new(name)), new, word, to);
-            }
-        }
-    }
+    pieces(ty, None, new).expect("a call of more words has no places")
 }
 
 /// The pieces of a member of a block, whose words are those of `carried`; none where they are not
@@ -78,16 +37,22 @@ pub(super) fn member(
     carried: &ValueType,
     new: &dyn Fn(&str) -> String,
 ) -> Option<Vec<Piece>> {
+    pieces(carried, Some((layout, &layout.ty)), new)
+}
+
+/// The member of a block that a value is, and its type in the text; of a value that is none, its
+/// type is what carries it.
+type Own<'a> = Option<(&'a MemberLayout, &'a Type)>;
+
+fn pieces(carried: &ValueType, own: Own<'_>, new: &dyn Fn(&str) -> String) -> Option<Vec<Piece>> {
     let mut pieces = Vec::new();
-    let mut word = 0;
-    push_member(layout, &layout.ty, carried, String::new(), new, &mut word, &mut pieces)?;
+    push(carried, own, String::new(), new, &mut 0, &mut pieces)?;
     Some(pieces)
 }
 
-fn push_member(
-    layout: &MemberLayout,
-    ty: &Type,
+fn push(
     carried: &ValueType,
+    own: Own<'_>,
     path: String,
     new: &dyn Fn(&str) -> String,
     word: &mut u32,
@@ -95,23 +60,33 @@ fn push_member(
 ) -> Option<()> {
     let mut scalar = |path: String, scalar: Scalar| {
         to.push(Piece::Scalar { path, scalar, word: *word });
-        *word += width(scalar);
+        *word += width(scalar.width);
     };
-    match (ty, carried) {
-        (Type::Scalar(one), ValueType::Scalar(_)) => scalar(path, *one),
-        (Type::Vector { scalar: one, rows }, ValueType::Vector { rows: held, .. })
-            if rows == held =>
+    match (carried, own) {
+        (ValueType::Scalar(one), None) | (ValueType::Scalar(_), Some((_, Type::Scalar(one)))) => {
+            scalar(path, *one)
+        }
+        (ValueType::Vector { rows: held, .. }, Some((_, Type::Vector { rows, .. })))
+            if rows != held =>
         {
+            return None;
+        }
+        (ValueType::Vector { scalar: one, rows }, None)
+        | (ValueType::Vector { .. }, Some((_, Type::Vector { scalar: one, rows }))) => {
             ROWS[..usize::from(*rows).min(4)]
                 .iter()
                 .for_each(|row| scalar(format!("{path}.{row}"), *one));
         }
-        (Type::Matrix { scalar: one, columns, rows }, ValueType::Matrix { .. }) => {
+        (ValueType::Matrix { scalar: one, columns, rows }, None)
+        | (ValueType::Matrix { .. }, Some((_, Type::Matrix { scalar: one, columns, rows }))) => {
             for column in 0..*columns {
                 (0..*rows).for_each(|row| scalar(format!("{path}[{column}][{row}]"), *one));
             }
         }
-        (Type::Matrix { scalar: one, columns, rows }, ValueType::Array { element, len }) => {
+        (
+            ValueType::Array { element, len },
+            Some((layout, Type::Matrix { scalar: one, columns, rows })),
+        ) => {
             let (outer, inner) =
                 if layout.row_major { (*rows, *columns) } else { (*columns, *rows) };
             let ValueType::Vector { rows: held, .. } = **element else { return None };
@@ -125,32 +100,40 @@ fn push_member(
                 }
             }
         }
-        (
-            Type::Array { element, len: ArrayLen::Fixed(len) },
-            ValueType::Array { element: held, len: carried },
-        ) if len == carried => {
+        (ValueType::Array { element, len }, _) => {
+            let own = match own {
+                None => None,
+                Some((layout, Type::Array { element, len: ArrayLen::Fixed(own) }))
+                    if own == len =>
+                {
+                    Some((layout, &**element))
+                }
+                Some(_) => return None,
+            };
             let mut pieces = Vec::new();
             let mut step = 0;
-            push_member(layout, element, held, String::new(), new, &mut step, &mut pieces)?;
+            push(element, own, String::new(), new, &mut step, &mut pieces)?;
             to.push(Piece::Array { path, len: *len, step, word: *word, element: pieces });
-            *word += step.checked_mul(*len)?;
+            *word = word.checked_add(step.checked_mul(*len)?)?;
         }
-        (Type::Struct(_), ValueType::Struct { members, .. }) => {
+        (ValueType::Struct { members, .. }, None | Some((_, Type::Struct(_)))) => {
             for (name, carried) in members {
-                let member = layout.members.iter().find(|member| *member.name == **name)?;
-                let path = format!("{path}.{}", new(name));
-                push_member(member, &member.ty, carried, path, new, word, to)?;
+                let own = match own {
+                    None => None,
+                    Some((layout, _)) => {
+                        let member = layout.members.iter().find(|m| *m.name == **name)?;
+                        Some((member, &member.ty))
+                    }
+                };
+                push(carried, own, format!("{path}.{}", new(name)), new, word, to)?;
             }
         }
         (
-            Type::Scalar(_)
-            | Type::Vector { .. }
-            | Type::Matrix { .. }
-            | Type::Array { .. }
-            | Type::Struct(_)
-            | Type::Atomic(_)
-            | Type::Address(_),
-            _,
+            ValueType::Scalar(_)
+            | ValueType::Vector { .. }
+            | ValueType::Matrix { .. }
+            | ValueType::Struct { .. },
+            Some(_),
         ) => return None,
     }
     Some(())

@@ -10,19 +10,20 @@ use std::fmt::Write as _;
 
 use super::pieces::{ONE, Piece, Way, member, moves, plain};
 use super::words::Places;
-use super::{Code, Lanes, ROW, buffer};
+use super::{Code, Lanes, ROW, buffer, refused};
+use crate::layout;
 use crate::layout::BlockLayout;
 use crate::parse::glsl::raw;
 use crate::port::{Direction, PortOptions, Ported, port};
 use crate::run::bound;
 use crate::run::call::pure::{Asks, Origin, Pure, Slot};
 use crate::run::eval::ValueType;
+use crate::run::probe::glsl::is_sized;
 use crate::run::reader::{Failure, Resource, StageCode};
-use crate::run::rewrite::{Builtin, Rewritten, Wanted, rewritten};
+use crate::run::rewrite::{Builtin, Rewritten, Wanted, rewritten, root};
 use crate::run::verify::{access, code as texts, every, partner};
 use crate::shape::{AddressSpace, ScalarKind};
 use crate::source::{Language, Runs, Source, Stage};
-use crate::{Diagnostic, layout};
 
 /// The blocks that hold the words, and their arrays.
 const INPUTS: [&str; 2] = ["LandfallIn", "landfall_in"];
@@ -61,7 +62,7 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
     }
     let mut resources = Vec::new();
     let bytes = bound::blocks(&pure.module, &pure.data, bound::zeros)
-        .map_err(|found| refused(std::slice::from_ref(&found)))?;
+        .map_err(|found| refused(Some(&found)))?;
     for (block, bytes) in pure.module.blocks().iter().zip(bytes) {
         if wanted.blocks.contains(&user.block_name(source, &block.layout)) {
             continue;
@@ -84,11 +85,6 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
     }
     let buffers = [buffer(INPUTS[0], (0, 0)), buffer(OUTPUTS[0], (0, 0))];
     Ok(Code { stages, resources, buffers, lanes })
-}
-
-fn refused(found: &[impl std::borrow::Borrow<Diagnostic>]) -> Failure {
-    let first = found.first().map_or("no reason given", |first| first.borrow().message.as_str());
-    Failure::refused(format!("the call cannot be run: {first}"), "")
 }
 
 /// The stage the text is compiled for.
@@ -114,7 +110,7 @@ impl<'p> User<'p> {
             return Ok(User { text: Cow::Borrowed(source), ported: None });
         }
         let options = PortOptions { read: pure.options.read.clone(), ..PortOptions::default() };
-        let ported = port(source, &options).map_err(|found| refused(&found))?;
+        let ported = port(source, &options).map_err(|found| refused(found.first()))?;
         Ok(User { text: Cow::Owned(ported.source.clone()), ported: Some(ported) })
     }
 
@@ -169,13 +165,17 @@ impl<'p> User<'p> {
         let mut text = rewritten.text.clone();
         let own = pure.module.entry_points().into_iter().find(|entry| entry.stage == stage.into());
         let size: u32 = own.map_or(1, |entry| entry.workgroup_size.iter().product());
-        let sized = text.contains("local_size_x");
-        let (lanes, lane) = match stage {
-            Runs::Fragment => {
-                (Lanes::Pixels, format!("uint(gl_FragCoord.y) * {ROW}u + uint(gl_FragCoord.x)"))
-            }
-            Runs::Vertex => (Lanes::Vertices, "uint(gl_VertexID)".to_string()),
-            Runs::Compute => {
+        let sized = is_sized(&text);
+        let (lanes, lane) = match (stage, pure.asks) {
+            (Runs::Fragment, Asks::Pure) => (
+                Lanes::pixels(pure)?,
+                format!("uint(gl_FragCoord.y) * {ROW}u + uint(gl_FragCoord.x)"),
+            ),
+            (Runs::Vertex, Asks::Pure) => (Lanes::Vertices, "uint(gl_VertexID)".to_string()),
+            // However many pixels run for the sake of derivatives.
+            (Runs::Fragment, Asks::Call) => (Lanes::pixels(pure)?, "0u".to_string()),
+            (Runs::Vertex, Asks::Call) => (Lanes::Vertices, "0u".to_string()),
+            (Runs::Compute, Asks::Pure | Asks::Call) => {
                 let size = if sized { size } else { GROUP };
                 (
                     Lanes::Groups(size),
@@ -331,11 +331,6 @@ impl<'p> User<'p> {
 fn load(text: &mut String, place: &str, first: u32, pieces: &[Piece]) {
     let from = format!("{FROM} + {first}u");
     moves(text, pieces, Way::Load, (place, INPUTS[1], &from));
-}
-
-/// The name a path begins with.
-fn root(path: &str) -> &str {
-    path.split(['.', '[']).next().unwrap_or(path)
 }
 
 /// `float name[4]` of the type `float[4]`.

@@ -5,7 +5,6 @@
 
 use crate::run::call::pure::{Pure, Slot};
 use crate::run::eval::{ValueType, Words};
-use crate::shape::Scalar;
 
 /// The words of one lane.
 #[derive(Clone, Debug, Default)]
@@ -51,12 +50,12 @@ impl Places {
 
 /// Words of a type.
 fn words(ty: &ValueType) -> Option<u32> {
-    ty.scalars().into_iter().try_fold(0u32, |sum, scalar| sum.checked_add(width(scalar)))
+    ty.scalars().into_iter().try_fold(0u32, |sum, scalar| sum.checked_add(width(scalar.width)))
 }
 
-/// Words of a scalar.
-pub(super) fn width(scalar: Scalar) -> u32 {
-    if scalar.width == 8 { 2 } else { 1 }
+/// Words of a scalar of so many bytes.
+pub(super) fn width(bytes: u8) -> u32 {
+    if bytes == 8 { 2 } else { 1 }
 }
 
 /// The words of some lanes one after the other, the last of them again up to `padded`.
@@ -78,11 +77,11 @@ pub(super) fn packed(
         to.for_each(|(lane, words)| {
             let word = column[lane.min(last)];
             words[at] = word as u32;
-            if width(scalar) == 2 {
+            if width(scalar.width) == 2 {
                 words[at + 1] = (word >> 32) as u32;
             }
         });
-        at += width(scalar) as usize;
+        at += width(scalar.width) as usize;
     }
     words.iter().flat_map(|word| word.to_le_bytes()).collect()
 }
@@ -105,11 +104,11 @@ pub(super) fn unpacked(
     for ((result, words), first) in pure.results.iter().zip(results).zip(&places.results) {
         let mut at = *first;
         for (scalar, column) in result.ty.scalars().into_iter().zip(words) {
-            column.extend(lanes().map(|lane| match width(scalar) {
+            column.extend(lanes().map(|lane| match width(scalar.width) {
                 2 => word(lane, at) | word(lane, at + 1) << 32,
                 _ => word(lane, at),
             }));
-            at += width(scalar);
+            at += width(scalar.width);
         }
     }
     discarded.extend(lanes().map(|lane| word(lane, places.done) == 0));
