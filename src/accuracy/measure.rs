@@ -4,6 +4,7 @@
 //! Reads what [`Pure::call`](crate::run::call::pure::Pure::call) gives; feeds
 //! [`stress`](super::stress) and [`bench`](mod@super::bench).
 
+use crate::buffer::float::last_place;
 use crate::run::call::pure::{Pure, PureCalled};
 use crate::shape::ScalarKind;
 
@@ -89,17 +90,10 @@ pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Ou
 pub(super) fn off(single: f32, double: f64, scale: f64) -> Off {
     let apart = (f64::from(single) - double).abs();
     Off {
-        ulp: apart / place(double),
+        ulp: apart / last_place(double),
         relative: apart / double.abs().max(scale / 1024.0),
         steps: 255.0 * apart / scale,
     }
-}
-
-/// The unit of the last place of the `f32` nearest to a number.
-pub(super) fn place(double: f64) -> f64 {
-    let magnitude = double.abs().max(f64::from(f32::MIN_POSITIVE));
-    let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
-    f64::powi(2.0, exponent.min(127) - 23)
 }
 
 /// Bins of a power of two.

@@ -61,6 +61,13 @@ pub(crate) fn widen(scalar: Scalar, bits: u64) -> f64 {
     }
 }
 
+/// The unit of the last place of the `f32` nearest to a number; that of the largest beyond it.
+pub(crate) fn last_place(number: f64) -> f64 {
+    let magnitude = number.abs().max(f64::from(f32::MIN_POSITIVE));
+    let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
+    f64::powi(2.0, exponent.min(127) - 23)
+}
+
 /// The bits of the quiet NaN that `"nan"` alone means; `None` for integers and bools.
 pub(crate) fn quiet_nan(scalar: Scalar) -> Option<u64> {
     match (scalar.kind, scalar.width) {

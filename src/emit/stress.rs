@@ -42,18 +42,19 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
     let ran = match stressed.every {
         Some(1) => "the only input".to_string(),
         Some(all) => format!("all {} inputs", words::number(all)),
-        None => format!("{} samples", stressed.total.samples),
+        None => format!("{} samples", words::number(stressed.total.samples)),
     };
     let _ = writeln!(
         text,
         "  {ran} in {:.1} s, {} a second on {threads}, seed {}{}",
         stressed.seconds,
-        grouped(stressed.rate),
+        words::number(stressed.rate as u64),
         stressed.seed,
         if stressed.stopped { ", stopped before the end" } else { "" }
     );
     table(stressed, paint, &mut text);
-    for (what, worst) in ["largest in ULP", "largest in steps"].iter().zip(&stressed.worst) {
+    let worst = ["largest in ULP", "largest in steps"].into_iter().zip(&stressed.worst);
+    for (what, worst) in worst.filter(|(_, worst)| worst.off.ulp > 0.0) {
         let _ = writeln!(
             text,
             "  {what}: {} ULP, {} steps with {}",
@@ -89,7 +90,7 @@ fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
     if let Some(device) = &reader.device {
         let version = format!("{} {}", device.driver, device.version);
         let rate = match reader.ran() {
-            true => format!(", {} samples a second", grouped(reader.rate)),
+            true => format!(", {} samples a second", words::number(reader.rate as u64)),
             false => String::new(),
         };
         let _ = writeln!(text, "  {name}: {}, {}{rate}", device.adapter, version.trim());
@@ -168,18 +169,6 @@ fn cut(values: &str) -> String {
         Some((at, _)) => format!("{}…", &values[..at]),
         None => values.to_string(),
     }
-}
-
-fn grouped(x: f64) -> String {
-    let digits = format!("{x:.0}");
-    let mut text = String::new();
-    for (i, c) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
-            text.push('\u{202f}');
-        }
-        text.push(c);
-    }
-    text
 }
 
 /// The findings in a format of `check`.

@@ -8,10 +8,10 @@ use serde_json::{Map, Value};
 use super::module::{HandleKind, Module, ModuleBlock};
 use super::probe::plan::TAIL;
 use super::reader::{Resource, ResourceKind};
+use crate::Diagnostic;
 use crate::buffer::{Buffer, Missing, encode};
 use crate::layout::BlockLayout;
 use crate::shape::{AddressSpace, ArrayLen};
-use crate::{Diagnostic, Severity};
 
 /// What blocks hold: values as `landfall encode` takes them, by the block's name or its
 /// instance's; `Name[1]` for one buffer of an array of blocks.
@@ -76,15 +76,7 @@ fn finding(code: &'static str, message: String, help: Option<String>) -> Diagnos
         Some((message, advice)) => (message.to_string(), Some(advice.to_string())),
         None => (message, None),
     };
-    Diagnostic {
-        code,
-        severity: Severity::Error,
-        message,
-        path: Some("--data".to_string()),
-        labels: Vec::new(),
-        notes: Vec::new(),
-        help: help.or(advice),
-    }
+    Diagnostic::about(code, message, help.or(advice), "--data")
 }
 
 /// As many zeros as a block takes, a runtime-sized tail of a few elements.

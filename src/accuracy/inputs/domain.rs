@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::input::{Input, float};
 use super::random::Random;
+use crate::shape::ScalarKind;
 
 /// What an input may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,7 +142,10 @@ impl Domain {
             let message = format!("`{}` is no vector: it cannot be `unit`", input.path);
             return Err(refused(message, "write a range: `[-1, 1]`"));
         }
-        self.within[at] = within;
+        self.within[at] = match input.is_float() || within == Within::Any {
+            true => within,
+            false => whole(within, input)?,
+        };
         Ok(())
     }
 
@@ -226,11 +230,10 @@ impl Domain {
         let (low, high) = within.bounds();
         for at in input.range() {
             let x = match input.scalar.kind {
-                crate::shape::ScalarKind::Sint => f64::from(sample[at] as u32 as i32),
+                ScalarKind::Sint => f64::from(sample[at] as u32 as i32),
                 _ => f64::from(sample[at] as u32),
             };
-            let fitted = x.clamp(low.ceil(), high.floor().max(low.ceil()));
-            sample[at] = u64::from(fitted as i64 as u32);
+            sample[at] = u64::from(x.clamp(low, high) as i64 as u32);
         }
     }
 
@@ -345,16 +348,32 @@ fn read(path: &str, value: &Value) -> Result<Within, Refused> {
 /// A range that has something in it.
 pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<Within, Refused> {
     if low > high {
-        let message = format!("`{path}`: the range from {low} to {high} is inverted");
-        return Err(refused(message, format!("write `[{high}, {low}]`")));
+        let message = format!("`{path}`: the range from {low:?} to {high:?} is inverted");
+        return Err(refused(message, format!("write `[{high:?}, {low:?}]`")));
     }
     // Some f32 lies in it.
     let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
     if f64::from(up) > high || !low.is_finite() || !high.is_finite() {
-        let message = format!("`{path}`: no `f32` is from {low} to {high}: the range is empty");
+        let message = format!("`{path}`: no `f32` is from {low:?} to {high:?}: the range is empty");
         return Err(refused(message, "widen it"));
     }
     Ok(Within::Range(low, high))
+}
+
+/// The whole numbers of an input's type that are within.
+fn whole(within: Within, input: &Input) -> Result<Within, Refused> {
+    let (least, most, name) = match input.scalar.kind {
+        ScalarKind::Sint => (f64::from(i32::MIN), f64::from(i32::MAX), "int"),
+        ScalarKind::Bool => (0.0, 1.0, "bool"),
+        _ => (0.0, f64::from(u32::MAX), "uint"),
+    };
+    let (low, high) = within.bounds();
+    let (first, last) = (low.ceil().max(least), high.floor().min(most));
+    if first > last {
+        let message = format!("`{}`: no `{name}` is from {low:?} to {high:?}", input.path);
+        return Err(refused(message, "widen it"));
+    }
+    Ok(Within::Range(first, last))
 }
 
 fn unknown(path: &str, inputs: &[Input]) -> Refused {

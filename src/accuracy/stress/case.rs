@@ -11,6 +11,7 @@ use super::sample::{Plan, columns, settings};
 use crate::Options;
 use crate::run::bound::Data;
 use crate::run::call::pure::{Origin, Pure};
+use crate::run::eval::Floats;
 use crate::source::{Language, Source, Target, kind_of_path};
 
 /// One sample, readable and repeatable.
@@ -41,6 +42,7 @@ pub struct ResultScalar {
 }
 
 /// What is needed to write up a sample.
+#[derive(Clone, Copy)]
 pub(super) struct Writing<'a> {
     pub pure: &'a Pure,
     pub inputs: &'a [Input],
@@ -48,11 +50,13 @@ pub(super) struct Writing<'a> {
     pub source: &'a Source,
     /// Arguments of `landfall run` that are of no sample: what [`fixed`] gives.
     pub fixed: &'a [String],
+    /// What it is rounded to: a driver runs it as it is written.
+    pub floats: Floats,
 }
 
 /// A sample as people read it.
 pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
-    let Writing { pure, inputs: all, plan, source, fixed } = writing;
+    let Writing { pure, inputs: all, plan, source, fixed, floats: rounded_to } = writing;
     let (arguments, data, given) = pure.json(sample);
     let values = (arguments.clone(), data.clone(), given.clone());
     let mut inputs = Vec::new();
@@ -82,6 +86,11 @@ pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
         line.extend(["--input".to_string(), format!("{name}={value}")]);
     }
     line.extend(fixed.iter().cloned());
+    match rounded_to {
+        Floats::AsWritten => {}
+        Floats::Half => line.push("--half".to_string()),
+        Floats::Mediump => line.push("--mediump".to_string()),
+    }
     let settings = settings(plan, false);
     let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
     let mut results = Vec::new();

@@ -116,7 +116,7 @@ pub(super) fn examine(
         }
     }
     if let Outcome::Off(off, _) = outcome {
-        if off.steps >= plan.steps || off.ulp >= plan.ulp {
+        if off.steps > plan.steps || off.ulp > plan.ulp {
             candidates.extend(look.inaccurate(&floats, &called));
         }
     }

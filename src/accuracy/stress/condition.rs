@@ -57,7 +57,7 @@ pub(super) fn condition(
             let [old, new] =
                 [sample[at], samples[lane][at]].map(|word| f64::from(f32::from_bits(word as u32)));
             let by = (new - old).abs() / old.abs().max(f64::from(f32::MIN_POSITIVE));
-            let number = moved / size.max(f64::MIN_POSITIVE) / by.max(f64::MIN_POSITIVE);
+            let number = moved / size.max(f64::from(f32::MIN_POSITIVE)) / by;
             let path = pure
                 .parameters
                 .iter()

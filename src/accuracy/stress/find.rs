@@ -146,7 +146,7 @@ fn order_of(raw: &Raw) -> (bool, std::cmp::Reverse<crate::lint::Level>, bool, us
 
 fn bad(examined: &Examined, plan: &Plan) -> bool {
     match examined.outcome {
-        Outcome::Off(off, _) => off.steps >= plan.steps || off.ulp >= plan.ulp,
+        Outcome::Off(off, _) => off.steps > plan.steps || off.ulp > plan.ulp,
         Outcome::Discarded => false,
         Outcome::NotANumber | Outcome::Infinite => true,
     }

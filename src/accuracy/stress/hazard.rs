@@ -118,13 +118,13 @@ hazards! {
         "no specification gives this operation a value here"
         "keep its operands where it is defined";
     LARGE_VALUES = "" "large-values" Warn
-        "the result is too large for an `f32`"
+        "the result is too large for a float of its kind"
         "let the host refuse such values";
     CANCELLATION = "" "cancellation" Warn
         "nearly equal numbers are subtracted"
         "rewrite the difference so that it is not of rounded numbers";
     ACCUMULATED_ERROR = "" "accumulated-error" Warn
-        "rounding adds up to more than half a step"
+        "rounding adds up to more than is allowed"
         "compute this part in fewer or better conditioned operations";
     ENDLESS_LOOP = "" "endless-loop" Deny
         "a loop does not end within the budget"

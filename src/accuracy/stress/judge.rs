@@ -70,7 +70,7 @@ pub(super) struct Seen {
 pub(super) struct Judge<'r> {
     pub inputs: &'r [Input],
     pub floats: Vec<(usize, usize)>,
-    /// Errors from which on a sample is kept.
+    /// Errors beyond which a sample is kept.
     pub steps: f64,
     pub ulp: f64,
 }
@@ -183,8 +183,8 @@ impl Seen {
                     let Outcome::Off(own, _) = theirs else { continue };
                     let fine = own.steps < *steps && own.ulp < *ulp;
                     // A little more than what is just allowed is no other kind of error.
-                    let far = off.steps >= *steps && off.steps > 2.0 * own.steps
-                        || off.ulp >= *ulp && off.ulp > 2.0 * own.ulp;
+                    let far = off.steps > *steps && off.steps > 2.0 * own.steps
+                        || off.ulp > *ulp && off.ulp > 2.0 * own.ulp;
                     if fine && far {
                         let severity = rank(off.steps, &batch.sample(lane));
                         self.keep(Why::Apart, severity, at, sample);

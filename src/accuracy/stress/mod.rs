@@ -111,6 +111,9 @@ impl Default for Request {
 /// What is found when it is told to stop is still looked at, for so long.
 const GRACE: Duration = Duration::from_secs(1);
 
+/// Threads at most.
+const MOST_THREADS: usize = 256;
+
 /// Stresses a function; `progress` is told how many samples ran.
 ///
 /// The evaluator runs every sample in `f32` and `f64`, and each driver among the readers runs it
@@ -137,20 +140,16 @@ pub fn stress(
     };
     let others: Vec<&Pure> = against.iter().collect();
     let inputs = matched::shared(&pure, &others);
-    let held = |other| match matched::matched(&pure, &inputs, other) {
-        Ok(order) => Ok((other, order)),
-        Err(reason) => {
-            let message = format!("`{}` does not fit: {reason}", other.shown);
-            Err(refused(Diagnostic::about("cannot-compare", message, None, "--against")))
-        }
+    let against = match &against {
+        Some(other) => Some((other, order(&pure, &inputs, other).map_err(&refused)?)),
+        None => None,
     };
-    let against = against.as_ref().map(held).transpose()?;
     let domain =
         super::inputs::domain(source, &pure, &inputs, request.domain.as_ref()).map_err(&refused)?;
     let generator = Generator::new(&inputs, &domain, request.seed).or_every(request.samples);
     let threads = match request.threads {
         0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
-        given => given,
+        given => given.min(MOST_THREADS),
     };
     let plan = Plan {
         samples: generator.all().unwrap_or(request.samples),
@@ -249,6 +248,23 @@ fn worst(
         all.extend(best);
     }
     all
+}
+
+/// What the scalars of a function that is held against another are given of its samples.
+fn order(
+    pure: &Pure,
+    inputs: &super::inputs::Inputs,
+    other: &Pure,
+) -> Result<Vec<Option<usize>>, Diagnostic> {
+    let [own, others] = [pure, other].map(|pure| measure::floats(pure).len());
+    let order = matched::matched(pure, inputs, other).and_then(|order| match own == others {
+        true => Ok(order),
+        false => Err(format!("it gives {others} floats, and `{}` {own}", pure.shown)),
+    });
+    order.map_err(|reason| {
+        let message = format!("`{}` does not fit: {reason}", other.shown);
+        Diagnostic::about("cannot-compare", message, None, "--against")
+    })
 }
 
 /// Climbs from the worst samples of each driver, which keeps what it finds there.

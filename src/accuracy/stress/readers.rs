@@ -15,6 +15,7 @@ use super::sample::{Plan, Tally, columns, settings};
 use super::shrink::plausible;
 use crate::lint::Level;
 use crate::run::call::pure::Pure;
+use crate::run::eval::Floats;
 use crate::run::reader::{Device, Failure};
 
 /// A driver beside the evaluator.
@@ -179,7 +180,7 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
         truth.as_ref().map_or(f64::NAN, |truth| truth.results[result].doubles[at][0])
     };
     let outcome = came(floats.len(), |nth| (results[nth], double(nth)));
-    let mut case = case(writing, sample);
+    let mut case = case(&Writing { floats: Floats::AsWritten, ..*writing }, sample);
     case.arguments.extend(["--reader".to_string(), device.reader.to_string()]);
     DriverCase {
         outcome,

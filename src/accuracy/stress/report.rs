@@ -19,7 +19,7 @@ use super::rewrite::{Gain, gain};
 use super::sample::{Plan, Tally, columns, settings};
 use crate::Options;
 use crate::lint::{Finding, Level, Place as LintPlace, Related};
-use crate::run::call::pure::Pure;
+use crate::run::call::pure::{Pure, PureRequest};
 use crate::run::eval::{Floats, Place, UndefinedKind};
 use crate::source::{Files, Source};
 
@@ -160,8 +160,9 @@ const EACH: [usize; 2] = [12, 3];
 
 pub(super) fn report(mut made: Made<'_>) -> Report {
     let Made { pure, inputs, plan, source, .. } = made;
-    let fixed = fixed(source, made.options, &made.request.pure.textures);
-    let writing = Writing { pure, inputs, plan, source, fixed: &fixed };
+    let PureRequest { textures, floats, .. } = &made.request.pure;
+    let fixed = fixed(source, made.options, textures);
+    let writing = Writing { pure, inputs, plan, source, fixed: &fixed, floats: *floats };
     let readers = reports(&made.drivers, &writing);
     let mut total = Tally::default();
     for (family, tally) in &made.families {
@@ -196,10 +197,8 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
     ask(&mut made.drivers, &mut findings);
     // No driver is asked for what may never end.
     findings.extend(made.endless.first().map(|sample| endless(&writing, sample)));
-    if made.request.pure.floats != Floats::AsWritten {
-        let who = if readers.is_empty() { "" } else { "drivers and " };
-        let what = "the commands that repeat a sample run it as it is written, not rounded to f16";
-        notes.push(format!("{who}{what}"));
+    if made.request.pure.floats != Floats::AsWritten && !readers.is_empty() {
+        notes.push("drivers run it as it is written, not rounded to f16".to_string());
     }
     let worst = made.worst.into_iter().map(|(sample, off)| Worst {
         off,

@@ -102,7 +102,7 @@ pub(super) struct Plan {
     pub samples: u64,
     pub until: Deadline,
     pub threads: usize,
-    /// Errors from which on a sample is kept.
+    /// Errors beyond which a sample is kept.
     pub steps: f64,
     pub ulp: f64,
     pub budget: u32,

@@ -124,7 +124,9 @@ impl<'a> Worker<'a> {
                 Outcome::Discarded => continue,
                 Outcome::NotANumber => (Why::NotANumber, 2.0),
                 Outcome::Infinite => (Why::Infinite, 1.0),
-                Outcome::Off(off, _) if off.steps < self.plan.steps && off.ulp < self.plan.ulp => {
+                Outcome::Off(off, _)
+                    if off.steps <= self.plan.steps && off.ulp <= self.plan.ulp =>
+                {
                     continue;
                 }
                 Outcome::Off(off, above) => {

@@ -8,7 +8,6 @@ use std::time::Instant;
 use landfall::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
 use landfall::emit::stress as print;
 use landfall::run::call::pure::PureRequest;
-use landfall::run::eval::Floats;
 use landfall::run::reader::Reader;
 use landfall::source::Files;
 use landfall::{Diagnostic, Error};
@@ -91,9 +90,13 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     for reader in &report.readers {
         let Some(why) = &reader.failure else { continue };
         let what = if reader.ran() { "stopped" } else { "did not run" };
-        let found = Error::new(reader.reader, format!("{what}: {why}"))
-            .with_help("`landfall devices` lists what is here");
-        streams.report(&style.text(&[found.into()], &Files::default()));
+        let found = Error::new(reader.reader, format!("{what}: {why}"));
+        let found = match reader.device {
+            Some(_) => found,
+            None => found.with_help("`landfall devices` lists what is here"),
+        };
+        let found = Diagnostic { code: "cannot-run", ..found.into() };
+        streams.report(&style.text(&[found], &Files::default()));
     }
     if is_stopped() {
         return Ok(Outcome::Interrupted);
@@ -150,18 +153,14 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
             function: args.function.clone(),
             data: data::blocks(args.data.as_deref())?,
             textures: textures(&args.textures)?,
-            floats: match (args.half, args.mediump) {
-                (true, _) => Floats::Half,
-                (false, true) => Floats::Mediump,
-                (false, false) => Floats::AsWritten,
-            },
+            floats: args.floats.floats(),
         },
         against,
         domain,
         seed: args.seed,
-        samples: args.samples,
+        samples: args.samples.get(),
         time: Some(args.time),
-        threads: args.jobs.map_or(0, std::num::NonZeroUsize::get),
+        threads: args.jobs.map_or(0, usize::from),
         steps: args.max_step.map_or(half, |most| most.min(half)),
         ulp: args.max_ulp,
         ..Request::default()

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::types::{Laid, RustType, Shape};
 use crate::layout::measure::{element_size, fixed, matrix_vector};
 use crate::layout::{MemberLayout, occupied};
-use crate::lint::show::bytes;
+use crate::lint::show;
 use crate::shape::{Rules, Scalar, ScalarKind, Type};
 use crate::source::Language;
 
@@ -183,7 +183,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
     flatten(ty, 0, &mut found);
     let bytes = found.iter().all(|(_, width, _)| *width == 1) && width > 1;
     let too_small = || Misfit {
-        text: format!("is {}, the shader's `{spelled}` is {end}", bytes(ty.size)),
+        text: format!("is {}, the shader's `{spelled}` is {end}", show::bytes(ty.size)),
         help: wanted(),
     };
     if ty.size < end {
@@ -204,7 +204,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
             return Err(Misfit {
                 text: format!(
                     "has components of {}, the shader's `{spelled}` of {width}",
-                    bytes(*own)
+                    show::bytes(*own)
                 ),
                 help: wanted(),
             });

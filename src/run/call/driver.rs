@@ -2,11 +2,11 @@
 //!
 //! The evaluator needs none of it.
 
+use super::Request;
 use super::arguments::words;
 use super::driven::{self, DrivenCalled};
 use super::find::{Found, shown};
 use super::pure::{Asks, Origin, Pure, PureRequest};
-use super::{Request, finding};
 use crate::run::eval::Floats;
 use crate::run::reader::{Failure, Reader};
 use crate::source::Source;
@@ -79,6 +79,6 @@ fn input(
     };
     let mut flat = Vec::new();
     words(ty, value, name, source.language, &mut flat)
-        .map_err(|m| Box::new(finding(m.code, m.message, m.help, "--input")))?;
+        .map_err(|m| Box::new(Diagnostic::about(m.code, m.message, m.help, "--input")))?;
     Ok(Some(flat.into_iter().map(|word| vec![word]).collect()))
 }

@@ -14,7 +14,7 @@ use super::globals::through_arguments;
 use super::parameters::{Known, Listed, list};
 use super::pure::{Asks, Pure, PureRequest};
 use super::reads::{self, Members};
-use super::{finding, white};
+use super::white;
 use crate::run::bound::{self, Data};
 use crate::run::eval::{FunctionSignature, Program, ValueType};
 use crate::run::module::{FunctionInfo, ModuleHandle};
@@ -48,7 +48,7 @@ pub(super) fn make(
     asks: Asks,
 ) -> Result<Pure, Box<Diagnostic>> {
     let (language, path) = (source.language, source.path.as_str());
-    let refuse = |m: Misfit| Box::new(finding(m.code, m.message, m.help, path));
+    let refuse = |m: Misfit| Box::new(Diagnostic::about(m.code, m.message, m.help, path));
     let info = alone(&mut module, &request.function).map_err(refuse)?;
     let shown = shown(&info);
     let cannot = |Why { what, help }: Why| {

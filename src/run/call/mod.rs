@@ -31,7 +31,7 @@ use super::module::{Direction, ModuleHandle};
 use super::reader::{Failure, Reader};
 use super::{Module, reach, verify};
 use crate::source::{Files, Source};
-use crate::{Diagnostic, Options, Severity};
+use crate::{Diagnostic, Options};
 
 /// What is to be called, and with what.
 #[derive(Clone, Debug)]
@@ -247,7 +247,7 @@ impl Job<'_> {
         if let Some((name, _)) = self.request.inputs.iter().find(|(name, _)| !known.contains(name))
         {
             let all: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
-            return Err(Box::new(finding(
+            return Err(Box::new(Diagnostic::about(
                 "unknown-input",
                 format!("the shader reads no input `{name}`"),
                 (!all.is_empty()).then(|| format!("it reads {}", all.join(", "))),
@@ -260,8 +260,9 @@ impl Job<'_> {
             let mut words = Vec::new();
             match given {
                 Some((_, value)) => {
-                    arguments::words(&parameter.ty, value, name, language, &mut words)
-                        .map_err(|m| Box::new(finding(m.code, m.message, m.help, "--input")))?;
+                    arguments::words(&parameter.ty, value, name, language, &mut words).map_err(
+                        |m| Box::new(Diagnostic::about(m.code, m.message, m.help, "--input")),
+                    )?;
                 }
                 None => words.resize(parameter.ty.scalars().len(), 0),
             }
@@ -304,7 +305,7 @@ impl Job<'_> {
             "unknown-function" | "ambiguous-function" | "cannot-call" => self.source.path.as_str(),
             _ => "--args",
         };
-        Box::new(finding(misfit.code, misfit.message, misfit.help, about))
+        Box::new(Diagnostic::about(misfit.code, misfit.message, misfit.help, about))
     }
 }
 
@@ -323,20 +324,8 @@ fn white<'h>(
 
 fn failed(reader: &str, failure: &Failure) -> Box<Diagnostic> {
     let message = format!("{reader}: {}", failure.message);
-    let mut found = finding("cannot-run", message, None, "");
+    let mut found = Diagnostic::about("cannot-run", message, None, "");
     found.path = None;
     found.notes = failure.log.lines().take(6).map(str::to_string).collect();
     Box::new(found)
-}
-
-fn finding(code: &'static str, message: String, help: Option<String>, about: &str) -> Diagnostic {
-    Diagnostic {
-        code,
-        severity: Severity::Error,
-        message,
-        path: Some(about.to_string()),
-        labels: Vec::new(),
-        notes: Vec::new(),
-        help,
-    }
 }

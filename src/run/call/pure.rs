@@ -1,8 +1,8 @@
 //! A function of a shader with everything it reads as a parameter: arguments, inputs of the
 //! stage, members of blocks. What it writes besides its result comes back too.
 //!
-//! [`make`](super::make) makes it of a shader's text;
-//! [`accuracy::stress`](crate::accuracy::stress) calls it over many samples at a time.
+//! Made by `make` of a shader's text; [`accuracy::stress`](crate::accuracy::stress) calls it over
+//! many samples at a time.
 
 use serde_json::{Map, Value};
 

@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::arguments::{held_as, paths, spelled};
 use crate::Diagnostic;
 use crate::buffer::Datum;
+use crate::buffer::float::last_place;
 use crate::run::eval::{Numbers, Undefined, ValueType};
 use crate::run::module::Direction;
 use crate::run::reader::Device;
@@ -174,9 +175,7 @@ pub(super) fn ulps(single: f32, double: f64) -> Option<f64> {
     if single.is_nan() || double.is_nan() {
         return None;
     }
-    let magnitude = double.abs().max(f64::from(f32::MIN_POSITIVE));
-    let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
-    Some((f64::from(single) - double).abs() / f64::powi(2.0, exponent - 23))
+    Some((f64::from(single) - double).abs() / last_place(double))
 }
 
 /// A value's JSON, in full.

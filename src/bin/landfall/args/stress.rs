@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 
 use super::verify::seconds;
-use super::{ReadArgs, ReaderName, setting};
+use super::{FloatsArgs, ReadArgs, ReaderName, setting};
 
 #[derive(Debug, clap::Args)]
 pub struct StressArgs {
@@ -31,38 +31,35 @@ pub struct StressArgs {
     /// What random numbers start from
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Samples to run; where no more inputs are possible, each of them runs once
-    #[arg(long, value_name = "N", default_value_t = 100_000)]
-    pub samples: u64,
+    /// Samples to run before climbing from the worst; where no more inputs are possible, each of
+    /// them runs once
+    #[arg(long, value_name = "N", default_value = "100000")]
+    pub samples: std::num::NonZeroU64,
     /// Seconds to sample at most; what was found is looked at in half as much again
     #[arg(long, value_name = "SECONDS", default_value = "6", value_parser = seconds)]
     pub time: Duration,
     /// Threads [default: one a core]
-    #[arg(short, long, value_name = "N")]
-    pub jobs: Option<std::num::NonZeroUsize>,
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: Option<u16>,
     /// Fail where a result is off by more units of the last place
-    #[arg(long, value_name = "ULP")]
+    #[arg(long, value_name = "ULP", value_parser = at_most)]
     pub max_ulp: Option<f64>,
     /// Fail where a result is off by more steps of 1/255 of full scale
-    #[arg(long, value_name = "STEPS")]
+    #[arg(long, value_name = "STEPS", value_parser = at_most)]
     pub max_step: Option<f64>,
     /// A robust form to hold beside each finding: FILE, or FILE#NAME for a function of another name
     #[arg(long, value_name = "FILE[#NAME]")]
     pub against: Option<String>,
-    /// Round every float to f16 at each operation
-    #[arg(long, conflicts_with = "mediump")]
-    pub half: bool,
-    /// Round to f16 what a shader of OpenGL ES says is mediump or lowp
-    #[arg(long)]
-    pub mediump: bool,
-    /// Draw the error over two inputs, --map-x and --map-y, as SVG or HTML
-    #[arg(long, value_name = "FILE", requires_all = ["map_x", "map_y"])]
+    #[command(flatten)]
+    pub floats: FloatsArgs,
+    /// Draw the error over two inputs, --map-x and --map-y: .svg or .html
+    #[arg(long, value_name = "FILE", requires_all = ["map_x", "map_y"], value_parser = drawing)]
     pub map: Option<PathBuf>,
     /// The input from left to right: the path of a scalar, light.position.x
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", requires = "map")]
     pub map_x: Option<String>,
     /// The input from below to above
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", requires = "map")]
     pub map_y: Option<String>,
     /// Drivers that run every sample too, in f32 as it is written, and are held against the
     /// evaluator's f64 of the same bits: gl, gpu; --max-ulp and --max-step hold for them too
@@ -86,4 +83,18 @@ pub enum StressFormat {
     Json,
     /// The findings as SARIF 2.1.0
     Sarif,
+}
+
+/// An error that is allowed.
+fn at_most(text: &str) -> Result<f64, String> {
+    let most: Option<f64> = text.parse().ok().filter(|most: &f64| *most >= 0.0 && most.is_finite());
+    most.ok_or_else(|| "a limit is a number from 0 on".to_string())
+}
+
+/// A file for a drawing.
+fn drawing(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let known =
+        path.extension().is_some_and(|e| ["svg", "html", "htm"].map(AsRef::as_ref).contains(&e));
+    if known { Ok(path) } else { Err("a drawing is .svg or .html".to_string()) }
 }
