@@ -55,6 +55,81 @@ fn it_exits_with_1_past_a_limit_and_on_what_is_not_finite() {
 }
 
 #[test]
+fn a_limit_of_nothing_finds_nothing_in_what_is_exact() {
+    let path = shader("exact.frag");
+    let exact = ["--fn", "halved", "--samples", "4000", "--domain", r#"{"x": [1, 2]}"#];
+    for limit in ["--max-ulp", "--max-step"] {
+        let output = stress(&path, &[&exact[..], &[limit, "0", "--format", "json"]].concat());
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(report["findings"], serde_json::json!([]), "{limit}");
+        assert_eq!(output.status.code(), Some(0), "{limit}");
+    }
+}
+
+#[test]
+fn options_that_mean_nothing_are_refused() {
+    let path = shader("options.frag");
+    for (options, words) in [
+        (&["--max-ulp", "nan"][..], "a number from 0 on"),
+        (&["--max-ulp", "inf"], "a number from 0 on"),
+        (&["--max-step=-5"], "a number from 0 on"),
+        (&["--samples", "0"], "--samples"),
+        (&["--jobs", "100000"], "--jobs"),
+        (&["--map-x", "x"], "--map"),
+        (&["--map", "x.png", "--map-x", "x", "--map-y", "x"], ".svg or .html"),
+    ] {
+        let output = stress(&path, &[&["--fn", "halved"][..], options].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{options:?}: {said}");
+        assert!(said.contains(words), "{options:?}: {said}");
+    }
+}
+
+#[test]
+fn whole_numbers_stay_within_their_range_and_their_type() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("whole.frag");
+    let text = "#version 450
+float f(int a, uint b) { return 1.0 / float(a) + 1.0 / float(b); }
+void main() {}
+";
+    std::fs::write(&path, text).unwrap();
+    let run = |domain: &str| stress(&path, &["--fn", "f", "--format", "json", "--domain", domain]);
+    // Of all that is tried none divides by zero.
+    let output = run(r#"{"a": [-3.5, -0.5], "b": [0.5, 4e10]}"#);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["findings"], serde_json::json!([]));
+    let domains: Vec<&str> =
+        report["inputs"].as_array().unwrap().iter().filter_map(|i| i["domain"].as_str()).collect();
+    assert_eq!(domains, ["-3..-1", "1..4294967295"]);
+    for domain in [r#"{"a": [0.5, 0.6]}"#, r#"{"b": [-5, -1]}"#] {
+        let output = run(domain);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{domain}: {said}");
+        assert!(said.contains("int` is from "), "{domain}: {said}");
+    }
+}
+
+#[test]
+fn what_is_found_in_f16_is_repeated_in_f16() {
+    let path = shader("half.frag");
+    // 300 squared is past 65504.
+    let few = ["--fn", "nearly", "--half", "--samples", "2000", "--format", "json", "--domain"];
+    let output = stress(&path, &[&few[..], &[r#"{"x": [300, 400]}"#]].concat());
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let found = report["findings"].as_array().unwrap();
+    let found = found.iter().find(|found| found["outcome"] == "infinite");
+    let line = found.expect("it overflows")["case"]["command"].as_str().unwrap();
+    assert!(line.contains(" --half"), "{line}");
+    let binary = Path::new(env!("CARGO_BIN_EXE_landfall")).parent().unwrap();
+    let paths = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
+    let again = Command::new("sh").args(["-c", line]).env("PATH", paths).output().unwrap();
+    let text = String::from_utf8(again.stdout).unwrap();
+    assert!(text.contains("result  inf"), "{line}:\n{text}");
+}
+
+#[test]
 fn what_is_found_is_repeated_by_the_command_beside_it() {
     let path = shader("repeats.frag");
     let few = ["--fn", "direction", "--samples", "4000", "--time", "3", "--format", "json"];
@@ -211,8 +286,21 @@ fn an_interrupt_ends_it_with_what_it_has() {
         assert!(began.elapsed() < Duration::from_secs(60), "it does not listen to SIGINT");
         std::thread::sleep(Duration::from_millis(20));
     }
-    // Time for some samples.
-    std::thread::sleep(Duration::from_secs(2));
+    // Samples are computed, however busy the machine is: in hundredths of a second.
+    let used = || {
+        let text =
+            std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap_or_default();
+        let fields: Vec<&str> = text.rsplit(") ").next().unwrap_or_default().split(' ').collect();
+        [11, 12]
+            .map(|at| fields.get(at).and_then(|f| f.parse::<u64>().ok()))
+            .into_iter()
+            .flatten()
+            .sum::<u64>()
+    };
+    while used() < 150 {
+        assert!(began.elapsed() < Duration::from_secs(100), "it computes nothing");
+        std::thread::sleep(Duration::from_millis(20));
+    }
     let id = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let mut text = String::new();
