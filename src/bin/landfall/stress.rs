@@ -11,10 +11,10 @@ use landfall::run::call::pure::PureRequest;
 use landfall::run::eval::Floats;
 use landfall::run::reader::Reader;
 use landfall::source::Files;
-use landfall::{Diagnostic, Error};
+use landfall::Error;
 
 use crate::args::{ReaderName, StressArgs, StressFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
 use crate::run::textures;
 use crate::{data, interrupt, read, readers};
 
@@ -28,9 +28,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let (source, mut request) = match made {
         Ok(made) => made,
         Err(error) => {
-            let error: Error = error;
-            let found = Diagnostic { code: "bad-request", ..error.into() };
-            streams.report(&style.text(&[found], &Files::default()));
+            streams.report(&style.text(&[asked_wrongly(error)], &Files::default()));
             return Ok(Outcome::CouldNot);
         }
     };
