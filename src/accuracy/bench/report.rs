@@ -123,9 +123,10 @@ impl Permitted {
     /// Of the steps of each sample, infinite where a device may give anything.
     pub(super) fn of(steps: &mut [f64], unsure: u64) -> Permitted {
         let samples = steps.len() as u64;
-        let (max, p999) = largest(steps);
         let some = |x: f64| x.is_finite().then_some(x);
-        Permitted { max_steps: some(max), p999_steps: some(p999), unsure, samples }
+        let largest = largest(steps).map(|(max, p999)| (some(max), some(p999)));
+        let (max_steps, p999_steps) = largest.unwrap_or_default();
+        Permitted { max_steps, p999_steps, unsure, samples }
     }
 }
 
@@ -223,7 +224,7 @@ pub fn drawing(bench: &Bench) -> Scatter {
     let marks = bench.rows.iter().map(|row| {
         let time = row.light.filter(|_| by_light).unwrap_or(row.fragment);
         let error = match row.errors {
-            Errors { non_finite: 0, max_steps, .. } => max_steps,
+            Errors { non_finite: 0, max_steps, .. } => max_steps.unwrap_or(0.0),
             Errors { .. } => f64::INFINITY,
         };
         Mark {

@@ -1,11 +1,16 @@
-//! Measuring in turns: every round runs every workload, one round forwards, the next backwards.
+//! Measuring in turns: every round runs every workload, one round forwards, the next backwards,
+//! and each two rounds another begins.
 //!
 //! Whatever else the machine does hits all of them alike, and numbers of one round belong
-//! together: [`rank`](super::rank) compares round by round.
+//! together: [`rank`](super::rank) compares round by round. What is repeated runs once before it
+//! is timed, or it would pay for what the one before it left in the caches.
 
 use std::time::{Duration, Instant};
 
 use super::clock::{self, Clock, Start, Took};
+
+/// What is repeated that often runs once more, before it is timed.
+const WARMED: u32 = 4;
 
 /// A part of a workload, so that what is not meant can be subtracted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,6 +81,8 @@ pub fn measure(
     progress(0);
     for round in 0..rounds.count {
         let mut turns: Vec<_> = workloads.iter_mut().zip(&mut all).collect();
+        let first = (round / 2) as usize % turns.len().max(1);
+        turns.rotate_left(first);
         if round % 2 == 1 {
             turns.reverse();
         }
@@ -134,6 +141,9 @@ impl Running {
             turns.reverse();
         }
         for timing in turns {
+            if timing.repeat >= WARMED {
+                workload.run(timing.part)?;
+            }
             let (seconds, clock) = timed(workload, timing.part, timing.repeat)?;
             if clock != self.clock {
                 return Err(format!(
