@@ -11,15 +11,16 @@
 //! things hold: so many rounds agree on who is faster that chance would do so less than once in a
 //! hundred comparisons (a sign test of two sides, which takes eight rounds at least); the median
 //! difference is more than the quartiles of the differences are apart, and so more than their
-//! noise; and it is more than [`PLACED`], which where code and data happen to lie in memory makes
-//! of the same work.
+//! noise; and it is more than [`PLACED`] of the time before anything was subtracted, which where
+//! code and data happen to lie in memory makes of the same work.
 
+use super::clock::Clock;
 use super::report::{BenchRow, Permitted, Work};
 use super::spread::Spread;
 
 /// Part of a time by which the same work may differ in all rounds alike, by where its code and
-/// data lie in memory: of a function against itself, medians of many rounds were apart by up to
-/// half of that.
+/// data lie in memory: of a function against itself, medians of 15 rounds were apart by up to half
+/// of that.
 pub const PLACED: f64 = 0.05;
 
 /// How seldom chance alone makes so many rounds agree, of those that tell two times apart.
@@ -66,8 +67,8 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
         numbers(steps(a), steps(b))
     };
     [
-        times(a.light_rounds.as_deref(), b.light_rounds.as_deref()),
-        times(Some(&a.fragment_rounds), Some(&b.fragment_rounds)),
+        times(Timed::light(a), Timed::light(b)),
+        times(Some(Timed::fragment(a)), Some(Timed::fragment(b))),
         numbers(ea.max_steps, eb.max_steps),
         numbers(ea.p999_steps, eb.p999_steps),
         numbers(ea.max_ulp, eb.max_ulp),
@@ -84,22 +85,56 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
     ]
 }
 
+/// Times of one row.
+#[derive(Clone, Copy)]
+struct Timed<'a> {
+    rounds: &'a [f64],
+    /// What memory may make longer or shorter, beside the work alone.
+    gross: f64,
+}
+
+impl<'a> Timed<'a> {
+    fn light(row: &'a BenchRow) -> Option<Timed<'a>> {
+        let gross = row.light_gross?;
+        row.light_rounds.as_deref().map(|rounds| Timed { rounds, gross }.on(row.runner.clock))
+    }
+
+    fn fragment(row: &'a BenchRow) -> Timed<'a> {
+        let rounds = &row.fragment_rounds;
+        Timed { rounds, gross: row.fragment_gross }.on(row.runner.clock)
+    }
+
+    /// A device's timestamps hold the way there and back besides, which is the same memory for all.
+    fn on(self, clock: Clock) -> Timed<'a> {
+        match clock {
+            Clock::Processor | Clock::Elapsed => self,
+            Clock::Device => Timed { gross: self.net(), ..self },
+        }
+    }
+
+    fn net(&self) -> f64 {
+        Spread::of(self.rounds).map_or(0.0, |spread| spread.median.abs())
+    }
+}
+
 /// Times of the same rounds.
-fn times(a: Option<&[f64]>, b: Option<&[f64]>) -> Verdict {
+fn times(a: Option<Timed<'_>>, b: Option<Timed<'_>>) -> Verdict {
     let (Some(a), Some(b)) = (a, b) else { return Verdict::Same };
+    // Of nothing, nothing is a part.
+    let placed = PLACED * ((a.gross + b.gross) / (a.net() + b.net())).max(1.0);
     // Of their mean: what else a machine does slows both of a round alike. What is left after a
     // subtraction may be nothing or less.
     let apart = |(a, b): (&f64, &f64)| match a.abs() + b.abs() {
         0.0 => 0.0,
         both => 2.0 * (a - b) / both,
     };
-    let apart: Vec<f64> = a.iter().zip(b).map(apart).collect();
+    let apart: Vec<f64> = a.rounds.iter().zip(b.rounds).map(apart).collect();
     let Some(Spread { median, lower, upper, .. }) = Spread::of(&apart) else {
         return Verdict::Same;
     };
     let agree = apart.iter().filter(|apart| **apart * median > 0.0).count();
     let noise = upper - lower;
-    match median.abs() > noise.max(PLACED) && by_chance(agree, apart.len()) < CHANCE {
+    match median.abs() > noise.max(placed) && by_chance(agree, apart.len()) < CHANCE {
         false => Verdict::Same,
         true if median < 0.0 => Verdict::Better,
         true => Verdict::Worse,

@@ -150,6 +150,12 @@ pub struct BenchRow {
     /// The same, round by round.
     #[serde(rename = "ns_per_fragment_rounds")]
     pub fragment_rounds: Vec<f64>,
+    /// Nanoseconds a fragment and light with all that is subtracted: the median.
+    #[serde(rename = "ns_per_light_gross")]
+    pub light_gross: Option<f64>,
+    /// Nanoseconds a fragment with what is subtracted: the median.
+    #[serde(rename = "ns_per_fragment_gross")]
+    pub fragment_gross: f64,
     /// Whether a kernel that does nothing was subtracted.
     pub subtracted: bool,
     /// How far it is from the truth.
@@ -190,11 +196,14 @@ impl BenchRow {
         let light_rounds = samples.unlit.as_deref().filter(|_| size.lights > 0).map(|unlit| {
             nanoseconds(&samples.whole, Some(unlit), fragments * f64::from(size.lights))
         });
+        let gross = Spread::of(&nanoseconds(&samples.whole, None, fragments))?.median;
         Some(BenchRow {
             variant: variant.into(),
             runner: Runner { clock: samples.clock, ..runner },
             light: light_rounds.as_deref().and_then(Spread::of),
             fragment: Spread::of(&fragment_rounds)?,
+            light_gross: light_rounds.as_ref().map(|_| gross / f64::from(size.lights)),
+            fragment_gross: gross,
             light_rounds,
             fragment_rounds,
             subtracted: samples.trivial.is_some(),

@@ -1,9 +1,9 @@
 //! `landfall run`: one function called, its results in f32 beside f64.
 
+use landfall::Error;
 use landfall::emit::run as print;
 use landfall::run::call::{Request, call};
 use landfall::source::Files;
-use landfall::Error;
 use serde_json::Value;
 
 use crate::args::{ReaderName, RunArgs, RunFormat};

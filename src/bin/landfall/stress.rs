@@ -5,13 +5,13 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+use landfall::Error;
 use landfall::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
 use landfall::emit::stress as print;
 use landfall::run::call::pure::PureRequest;
 use landfall::run::eval::Floats;
 use landfall::run::reader::Reader;
 use landfall::source::Files;
-use landfall::Error;
 
 use crate::args::{ReaderName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
