@@ -13,12 +13,29 @@ pub struct Error {
     pub message: String,
     /// What to do about it.
     pub help: Option<String>,
+    /// What kind of thing it is.
+    pub kind: ErrorKind,
+}
+
+/// The kinds of [`Error`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// A file that cannot be read, or holds no text.
+    Unreadable,
+    /// Anything else.
+    #[default]
+    Other,
 }
 
 impl Error {
     /// An error about a file.
     pub fn new(path: impl Into<String>, message: impl Into<String>) -> Error {
-        Error { path: path.into(), message: message.into(), help: None }
+        Error { path: path.into(), message: message.into(), help: None, kind: ErrorKind::Other }
+    }
+
+    /// The same error as one of a file that cannot be read.
+    pub fn unreadable(self) -> Error {
+        Error { kind: ErrorKind::Unreadable, ..self }
     }
 
     /// The same error with advice.

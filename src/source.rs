@@ -194,8 +194,10 @@ fn stage_of_extension(extension: &str) -> Option<Stage> {
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     let shown = path.display().to_string();
     let bytes = fs::read(path).map_err(|cause| match cause.kind() {
-        io::ErrorKind::IsADirectory => Error::new(&shown, "is a directory, not a shader file"),
-        _ => Error::new(&shown, format!("cannot be read: {}", reason(&cause))),
+        io::ErrorKind::IsADirectory => {
+            Error::new(&shown, "is a directory, not a shader file").unreadable()
+        }
+        _ => Error::new(&shown, format!("cannot be read: {}", reason(&cause))).unreadable(),
     })?;
     decode(&shown, bytes)
 }
@@ -205,6 +207,10 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
 /// # Errors
 /// UTF-16, binary data and other encodings are named, with line and column of the first bad byte.
 pub fn decode(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
+    decoded(path, bytes).map_err(Error::unreadable)
+}
+
+fn decoded(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(
             Error::new(path, "is UTF-16, but read as UTF-8").with_help("save the file as UTF-8")

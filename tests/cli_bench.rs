@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use landfall::accuracy::bench::Bench;
+use landfall::accuracy::bench::{Bench, BenchRow};
 
 fn landfall(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
@@ -29,6 +29,11 @@ fn bench(arguments: &[&str]) -> Bench {
     let output = landfall(&arguments);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("a bench")
+}
+
+/// The largest error of what gave some number.
+fn steps(row: &BenchRow) -> f64 {
+    row.errors.max_steps.unwrap_or_else(|| panic!("no number: {row:?}"))
 }
 
 #[test]
@@ -60,23 +65,24 @@ fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
     for name in ["seed", "robust", "tiles"] {
         // f32 at its best is some thousandths of a step off, and no fragment is no number.
         let errors = row(name, "rust").errors;
-        assert!(errors.max_steps > 0.0 && errors.max_steps < 0.01, "{name}: {errors:?}");
+        let most = steps(row(name, "rust"));
+        assert!(most > 0.0 && most < 0.01, "{name}: {errors:?}");
         assert_eq!((errors.non_finite, errors.undefined), (0, 0));
         assert_eq!(errors.channels, 3 * found.fragments);
     }
     // A power of less than 0.01 that is left out is 2.55 steps at most, and more than nothing.
     let coarse = row("coarse", "rust");
-    assert!(coarse.errors.max_steps > row("robust", "rust").errors.max_steps);
-    assert!(coarse.errors.max_steps < 2.6);
+    assert!(steps(coarse) > steps(row("robust", "rust")));
+    assert!(steps(coarse) < 2.6);
     assert!(coarse.work.powers < row("robust", "rust").work.powers);
     assert_eq!(row("seed", "rust").work.evaluations, Some(6.0));
     for reader in ["cpu", "gpu"] {
         let shader = row("shader", reader);
-        assert!(shader.errors.max_steps < 0.01, "{:?}", shader.errors);
+        assert!(steps(shader) < 0.01, "{:?}", shader.errors);
         assert!(shader.work.operations.is_some_and(|n| n > 100.0), "{:?}", shader.work);
         // What any device may do is more than what one does.
         let permitted = shader.permitted.and_then(|permitted| permitted.max_steps);
-        assert!(permitted.is_some_and(|most| most > shader.errors.max_steps), "{shader:?}");
+        assert!(permitted.is_some_and(|most| most > steps(shader)), "{shader:?}");
         assert_eq!(shader.work.evaluations, Some(6.0));
         assert!(shader.work.bytes.is_some_and(|n| n > 100));
         assert!(shader.subtracted);
@@ -147,7 +153,7 @@ fn a_shader_in_half_precision_is_the_evaluators_alone() {
     let found = bench(&[SCENE, "--reader", "cpu,gl", "--variant", variant]);
     assert_eq!(found.rows.len(), 1, "{:?}", found.rows);
     // f16 has 11 digits: sums of light near 1 are off by more than a tenth of a step.
-    assert!(found.rows[0].errors.max_steps > 0.1, "{:?}", found.rows[0].errors);
+    assert!(steps(&found.rows[0]) > 0.1, "{:?}", found.rows[0].errors);
     assert_eq!(found.rows[0].permitted, None);
     assert_eq!(found.failed[0].reader, "gl");
     assert!(found.failed[0].reason.contains("only the evaluator"), "{:?}", found.failed);
@@ -159,7 +165,7 @@ fn a_variant_of_another_model_is_held_against_its_own() {
     let robust = "robust=shaders/six_lights/phong_450.frag";
     let one = |more: &[&str]| {
         let found = bench(&[&[SCENE, "--reader", "cpu", "--variant", robust], more].concat());
-        found.rows[0].errors.max_steps
+        steps(&found.rows[0])
     };
     // It gates highlights by the side the light is on, which the published model does not.
     let (published, own) = (one(&["--model", "multi"]), one(&["--model-of", facing]));
@@ -189,6 +195,137 @@ fn what_cannot_be_measured_is_refused_by_name() {
     refused(&[SCENE, "--variant", "a=rust:seed", "--model-of", "b=multi"], "`--model-of`");
     let output = landfall(&["bench", SCENE, "--rounds", "1"]);
     assert_eq!(output.status.code(), Some(2));
+    // The name of one would stand for two.
+    let twice = ["--variant", "a=rust:seed", "--variant", "a=rust:robust"];
+    refused(&[&[SCENE][..], &twice].concat(), "`--variant a=rust:robust` has the name of `--var");
+    let models = ["--model-of", "a=multi", "--model-of", "a=array"];
+    refused(&[&[SCENE], &twice[..2], &models].concat(), "`--model-of a=array` has the name of");
+    refused(&["shaders/six_lights/phong_450.frag"], "a shader is called with `--fn NAME`");
+}
+
+#[test]
+fn a_refusal_says_whether_it_is_the_file_or_the_arguments() {
+    let folder = folder("codes");
+    let directory = folder.display().to_string();
+    let code = |arguments: &[&str]| {
+        let output = landfall(&[&["bench"], arguments].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
+        let code = said.strip_prefix("error[").and_then(|rest| rest.split_once(']'));
+        code.unwrap_or_else(|| panic!("{said}")).0.to_string()
+    };
+    assert_eq!(code(&["no_such_scene.json"]), "unreadable-file");
+    assert_eq!(code(&[&directory]), "unreadable-file");
+    assert_eq!(code(&[SCENE, "--variant", "a=no_such.frag"]), "unreadable-file");
+    assert_eq!(code(&[SCENE, "--variant", &format!("a={directory}")]), "unreadable-file");
+    assert_eq!(code(&[SCENE, "--variant", "a=rust:sturdy"]), "bad-request");
+    assert_eq!(code(&[SCENE, "--model", "matt"]), "bad-request");
+    // As the other commands that run functions say it.
+    for command in ["stress", "run"] {
+        let more: &[&str] = if command == "run" { &["--args", "[]"] } else { &[] };
+        let output = landfall(&[&[command, "gone.frag", "--fn", "f"], more].concat());
+        assert!(text(&output.stderr).starts_with("error[unreadable-file]"), "{output:?}");
+        assert_eq!(output.status.code(), Some(2));
+    }
+}
+
+/// clap waives what an option requires where that conflicts with another that is there.
+#[test]
+fn options_of_functions_are_refused_for_scenes_and_the_other_way_round() {
+    let of_scenes: [[&str; 2]; 5] = [
+        ["--size", "40x30"],
+        ["--model", "multi"],
+        ["--model-of", "a=multi"],
+        ["--bind", "{}"],
+        ["--most", "600"],
+    ];
+    let of_functions: [[&str; 2]; 6] = [
+        ["--truth", "a"],
+        ["--seed", "2"],
+        ["--samples", "9"],
+        ["--domain", "{}"],
+        ["--data", "{}"],
+        ["--texture", "t=[1,1,1,1]"],
+    ];
+    let refused = |arguments: &[&str]| {
+        let output = landfall(&[&["bench", SCENE, "--rounds", "3"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        // By the command line, before anything is read.
+        assert!(text(&output.stderr).contains("Usage: "), "{}", text(&output.stderr));
+    };
+    for function in &of_functions {
+        refused(function);
+        for scene in &of_scenes {
+            refused(&[&scene[..], function].concat());
+        }
+    }
+    for scene in &of_scenes {
+        refused(&[&scene[..], &["--fn", "f"]].concat());
+    }
+}
+
+#[test]
+fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
+    let folder = folder("missing");
+    let plot = folder.join("keep.svg");
+    std::fs::write(&plot, "kept").unwrap();
+    let shown = plot.display().to_string();
+    let shader = ["--variant", "s=shaders/six_lights/phong_450.frag", "--adapter", "no such one"];
+    let some = [&["bench", SCENE], &SMALL[..], &shader, &["--plot", &shown]].concat();
+    let output = landfall(&[&some[..], &["--reader", "gpu"]].concat());
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("every shader on gpu: "), "{said}");
+    assert!(!said.contains("rounds in turns"), "{said}");
+    assert_eq!(std::fs::read_to_string(&plot).unwrap(), "kept");
+    // What there is is printed, and drawn.
+    let output = landfall(&[&some[..], &["--reader", "cpu,gpu"]].concat());
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("every shader on gpu: ") && said.contains("\n*  s "), "{said}");
+    assert!(std::fs::read_to_string(&plot).unwrap().contains("<svg"));
+}
+
+#[test]
+fn a_reader_that_is_named_twice_measures_once() {
+    let variant = "s=shaders/six_lights/phong_450.frag";
+    let found = bench(&[SCENE, "--reader", "cpu,cpu", "--variant", variant]);
+    assert_eq!(found.rows.len(), 1, "{:?}", found.rows);
+}
+
+#[test]
+fn what_is_wrong_with_a_scene_is_said_once() {
+    let folder = folder("warned");
+    let scene = std::fs::read_to_string(SCENE).unwrap();
+    let scene = scene.replace("\"fov\": 45", "\"fov\": 0.8");
+    // Textures and shaders are named from where the scene is.
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let scene = scene.replace("\"../", &format!("\"{}/", base.display()));
+    let path = folder.join("narrow.json").display().to_string();
+    std::fs::write(&path, scene).unwrap();
+    let variants = ["a", "b", "c"].map(|name| format!("{name}=shaders/six_lights/phong_450.frag"));
+    let mut arguments = vec!["bench", &path, "--reader", "cpu", "--model-of", "b=multi"];
+    variants.iter().for_each(|variant| arguments.extend(["--variant", variant]));
+    let output = landfall(&[&arguments[..], &SMALL].concat());
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert_eq!(said.matches("suspicious-unit").count(), 1, "{said}");
+}
+
+#[test]
+fn a_shader_that_gives_no_number_has_no_error_and_is_not_the_best() {
+    // Of 128 lights two are there; the published form takes the others too, which are zeros.
+    let scene = "shaders/scenes/two_of_128.json";
+    let more = ["--reader", "cpu", "-D", "POINT_LIGHT_COUNT=128", "--variant"];
+    let variant = "s=shaders/seed/light_arrays_450.frag";
+    let output = landfall(&[&["bench", scene], &SMALL[..], &more, &[variant]].concat());
+    let said = text(&output.stdout);
+    let line = said.lines().find(|line| line.contains("  s  ")).unwrap_or_else(|| panic!("{said}"));
+    assert!(!line.starts_with('*') && line.contains("  -  "), "{said}");
+    let found = bench(&[&[scene], &more[..], &[variant]].concat());
+    let errors = found.rows[0].errors;
+    assert_eq!((errors.channels, errors.max_steps, errors.p999_steps), (0, None, None));
+    assert_eq!(errors.non_finite + errors.undefined, found.fragments);
 }
 
 #[test]

@@ -55,6 +55,11 @@ fn row<'b>(bench: &'b Bench, variant: &str, reader: &str) -> &'b BenchRow {
     found.unwrap_or_else(|| panic!("{variant} on {reader}: {:?}", bench.failed))
 }
 
+/// The largest error of what gave some number.
+fn steps(row: &BenchRow) -> f64 {
+    row.errors.max_steps.unwrap_or_else(|| panic!("no number: {row:?}"))
+}
+
 const READERS: [&str; 3] = ["cpu", "gl", "gpu"];
 
 #[test]
@@ -79,19 +84,20 @@ float product(float x) { return (x - 1.0) * (x + 1.0); }";
     ];
     let found = bench(&arguments);
     let of = |variant: &str| row(&found, variant, "cpu").errors;
+    let most = |variant: &str| steps(row(&found, variant, "cpu"));
     // A rounding of the square and one of the difference: 2^-23 of the result or of 1.
-    assert!(of("as it is").max_steps > 0.0 && of("as it is").max_steps < 255.0 * 2f64.powi(-22));
+    assert!(most("as it is") > 0.0 && most("as it is") < 255.0 * 2f64.powi(-22));
     // Three roundings, each half a unit of its place, which may be half the result's.
     assert!(of("product").max_ulp.is_some_and(|ulp| ulp > 0.0 && ulp < 6.0), "{found:?}");
     assert!(of("as it is").max_ulp > of("product").max_ulp);
-    assert!((of("wrong").max_steps - 255.0).abs() < 1.0, "it is wrong by 1: {found:?}");
+    assert!((most("wrong") - 255.0).abs() < 1.0, "it is wrong by 1: {found:?}");
     assert_eq!(row(&found, "as it is", "cpu").work.operations, Some(2.0));
     // Two thousand calls of one float.
     assert_eq!(row(&found, "as it is", "cpu").work.bytes, Some(8000));
     // Where the wrong one is the truth, it is the others that are wrong.
     let turned = bench(&[&arguments[..], &["--truth", "wrong"]].concat());
-    assert!(row(&turned, "wrong", "cpu").errors.max_steps < 1e-3, "{turned:?}");
-    assert!(row(&turned, "as it is", "cpu").errors.max_steps > 200.0);
+    assert!(steps(row(&turned, "wrong", "cpu")) < 1e-3, "{turned:?}");
+    assert!(steps(row(&turned, "as it is", "cpu")) > 200.0);
     assert!(turned.truth.contains("wrong"), "{}", turned.truth);
 }
 
@@ -109,7 +115,7 @@ fn one_correctly_rounded_operation_is_half_a_unit_off_on_every_reader() {
         let permitted = row.permitted.unwrap();
         assert_eq!(permitted.samples, 2000);
         let most = permitted.max_steps.unwrap();
-        assert!(most >= row.errors.max_steps && most < 3.0 * row.errors.max_steps, "{row:?}");
+        assert!(most >= steps(row) && most < 3.0 * steps(row), "{row:?}");
         assert!(row.subtracted);
     }
 }
@@ -136,7 +142,7 @@ void shade() { int k; color = vec4(f(Light(FragPos, true, ivec2(0)), 0, k)); }",
         let row = row(&found, "as it is", reader);
         assert_eq!(row.errors.differing, Some(0), "{reader}");
         // Some roundings of numbers up to some hundred.
-        assert!(row.errors.max_steps > 0.0 && row.errors.max_steps < 0.01, "{:?}", row.errors);
+        assert!(steps(row) > 0.0 && steps(row) < 0.01, "{:?}", row.errors);
         // 20 words of 4 bytes: 3, 1 and 2 of the light, n, 3 of the input, 9 and 1 of the block.
         assert_eq!(row.work.bytes, Some(2000 * 4 * 20));
     }
@@ -156,7 +162,7 @@ float above(float x) {{\n    return max(x, 3.0);\n}}"
     let said = folder.file("said.frag", &functions("// x in 2..4"));
     let most = |file: &str, more: &[&str]| {
         let own = [file, "--fn", "f", "--variant", "above=#above", "--reader", "cpu"];
-        row(&bench(&[&own[..], more].concat()), "above", "cpu").errors.max_steps
+        steps(row(&bench(&[&own[..], more].concat()), "above", "cpu"))
     };
     assert!((125.0..=127.5).contains(&most(&said, &[])));
     assert!((125.0..=127.5).contains(&most(&plain, &["--domain", r#"{"x": [2, 4]}"#])));
@@ -273,6 +279,54 @@ vec2 pair(float x) { return vec2(x); }";
     refused(&["--fn", "f", "--domain", r#"{"x": [2, 1]}"#], "inverted");
     refused(&["--fn", "f", "--truth", "other"], "is no variant");
     refused(&["--fn", "f", "--samples", "0"], "a run is 1 to");
+    refused(
+        &["--fn", "f", "--variant", "a=#f", "--variant", "a=#two"],
+        "`--variant a=#two` has the name of `--variant a=#f`",
+    );
+    refused(&["--fn", "f", "--variant", "as it is=#f"], "the name of the function as it is");
+    refused(&["--fn", "f", "--truth", "other"], "error[bad-request]");
+    refused(&["--fn", "f", "--variant", "a=gone.frag"], "error[unreadable-file]");
+}
+
+#[test]
+fn a_driver_that_refuses_says_what_its_compiler_said() {
+    let folder = Folder::new("log");
+    // The evaluator runs what it is asked for; OpenGL compiles the whole shader.
+    let functions = "float rec(float x) { return x < 1.0 ? x : rec(x - 1.0); }
+float f(float x) { return x; }";
+    let file = folder.file("rec.frag", functions);
+    let output = landfall(&["bench", &file, "--fn", "f", "--reader", "gl", "--rounds", "3"]);
+    let said = text(&output.stdout);
+    let line = said.lines().find(|line| line.starts_with("as it is on gl: "));
+    assert!(line.is_some_and(|line| line.contains("static recursion")), "{said}\n{output:?}");
+}
+
+#[test]
+fn a_shader_on_stdin_is_read_once_for_all_its_variants() {
+    use std::io::Write as _;
+    use std::process::Stdio;
+
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    command.args([
+        "bench",
+        "-",
+        "--stage",
+        "fragment",
+        "--fn",
+        "f",
+        "--variant",
+        "b=#g",
+        "--reader",
+    ]);
+    command.args(["cpu"]).args(SMALL).stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut running = command.stderr(Stdio::piped()).spawn().unwrap();
+    let text_given = "#version 450\nfloat f(float x) { return x; }
+float g(float x) { return x + 1.0; }\nvoid main() {}\n";
+    running.stdin.take().unwrap().write_all(text_given.as_bytes()).unwrap();
+    let output = running.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let found: Bench = serde_json::from_slice(&output.stdout).expect("a bench");
+    assert_eq!(found.rows.len(), 2);
 }
 
 /// A driver that dies takes its variant with it, and neither the others nor the bench.

@@ -35,7 +35,7 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
         let _ = write!(text, ", {lights} lights");
     }
     let _ = writeln!(text, "; errors against {truth}");
-    let rounds = rows.iter().map(|row| row.fragment.rounds).max().unwrap_or(0);
+    let rounds = rows.iter().map(|row| row.fragment.rounds).max();
     let _ = writeln!(text, "{}", paint.text(FAINT, &about(machine, rounds)));
     let mut runners: Vec<&Runner> = Vec::new();
     for row in rows {
@@ -60,7 +60,8 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
     text
 }
 
-fn about(machine: &Machine, rounds: u32) -> String {
+/// Where it was measured, and in how many rounds, if in any.
+fn about(machine: &Machine, rounds: Option<u32>) -> String {
     let Machine { processor, threads, system, load, optimised } = machine;
     let mut said = format!("{system}, {threads} threads");
     if let Some(processor) = processor {
@@ -69,12 +70,17 @@ fn about(machine: &Machine, rounds: u32) -> String {
     if let Some([before, after]) = load {
         let _ = write!(said, "; load {before} before, {after} after");
     }
-    let _ = write!(said, "; {rounds} rounds in turns; medians and quartiles");
+    if let Some(rounds) = rounds {
+        let _ = write!(said, "; {rounds} rounds in turns; medians and quartiles");
+    }
     if !optimised {
         said.push_str("; built without optimisation: Rust's own times say little");
     }
     said
 }
+
+/// The error of a variant of which nothing could be compared.
+const NOTHING: &str = "-";
 
 /// A column of a table: its heading and its cells.
 struct Column {
@@ -88,6 +94,9 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         cells: rows.iter().map(|row| of(row)).collect(),
     };
     let optional = |value: Option<f64>| value.map(words::figure).unwrap_or_default();
+    // Where there is nothing to compare, there is no error, which is not one of 0.
+    let steps =
+        |value: Option<f64>| value.map(words::figure).unwrap_or_else(|| NOTHING.to_string());
     let subtracted = rows.iter().any(|row| row.subtracted);
     let time = match (unit, subtracted) {
         (Unit::Fragment, true) => "ns/fragment net",
@@ -110,8 +119,8 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         column(time, &|row| spread(&row.fragment)),
         column("max ulp", &|row| optional(row.errors.max_ulp)),
         column("99.9 % ulp", &|row| optional(row.errors.p999_ulp)),
-        column("max step", &|row| words::figure(row.errors.max_steps)),
-        column("99.9 % step", &|row| words::figure(row.errors.p999_steps)),
+        column("max step", &|row| steps(row.errors.max_steps)),
+        column("99.9 % step", &|row| steps(row.errors.p999_steps)),
         column("permitted", &|row| permitted(row, |permitted| permitted.max_steps)),
         column("99.9 %", &|row| permitted(row, |permitted| permitted.p999_steps)),
         column("unsure", &|row| row.permitted.map(unsure).unwrap_or_default()),
@@ -155,7 +164,7 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
     let _ = writeln!(text, " {}", paint.text(FAINT, &headings));
     for (i, row) in rows.iter().enumerate() {
         let cells = line(columns.iter().map(|column| column.cells[i].as_str()).collect());
-        let (mark, style) = match row.dominated_by.is_empty() {
+        let (mark, style) = match row.dominated_by.is_empty() && !row.errors.is_no_number() {
             true => ("*", PLAIN),
             false => (" ", FAINT),
         };
@@ -195,8 +204,8 @@ pub fn csv(bench: &Bench) -> String {
         cells.extend(four(Some(fragment)));
         cells.extend([
             fragment.rounds.to_string(),
-            errors.max_steps.to_string(),
-            errors.p999_steps.to_string(),
+            optional(errors.max_steps),
+            optional(errors.p999_steps),
             optional(errors.max_ulp),
             optional(errors.p999_ulp),
             steps(|permitted| permitted.max_steps),

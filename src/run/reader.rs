@@ -199,6 +199,19 @@ impl Failure {
     }
 }
 
+impl Failure {
+    /// The message and, on the same line, the first thing the driver said was wrong.
+    pub fn brief(&self) -> String {
+        let mut lines = self.log.lines().map(str::trim).filter(|line| !line.is_empty());
+        let first = lines.clone().next();
+        let wrong = lines.find(|line| line.to_ascii_lowercase().contains("error"));
+        match wrong.or(first) {
+            Some(line) => format!("{}: {line}", self.message),
+            None => self.message.clone(),
+        }
+    }
+}
+
 impl fmt::Display for Failure {
     /// The message, and below it what the driver said.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

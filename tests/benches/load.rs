@@ -72,7 +72,7 @@ fn bench(subject: &str) -> Bench {
         clock: Clock::Processor,
     };
     let rows = VARIANTS.iter().zip(samples).filter_map(|((name, _, error), samples)| {
-        let errors = Errors { max_steps: *error, ..Errors::default() };
+        let errors = Errors { max_steps: Some(*error), ..Errors::default() };
         let size = Size { fragments: 1000, lights: 0 };
         let samples = samples.expect("arithmetic does not fail");
         BenchRow::new(*name, runner.clone(), &samples, size, errors, Work::default())

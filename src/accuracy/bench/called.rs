@@ -3,6 +3,7 @@
 //! Takes [`Calls`]; what is subtracted is a kernel of the same words that
 //! computes nothing.
 
+use std::borrow::Cow;
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -22,7 +23,7 @@ pub struct Variant<'a> {
     calls: &'a Calls,
     pure: &'a Pure,
     kinds: Kinds,
-    columns: Vec<Vec<u64>>,
+    columns: Cow<'a, [Vec<u64>]>,
     /// What is subtracted.
     trivial: Option<Pure>,
 }
@@ -85,7 +86,7 @@ impl<'a> Variant<'a> {
         let Variant { calls, pure, kinds, columns, .. } = self;
         let settings = calls.settings(Precision::Single);
         let called =
-            pure.call(columns, calls.count(), &settings).map_err(|failure| failure.message)?;
+            pure.call(columns, calls.count(), &settings).map_err(|failure| failure.brief())?;
         let each =
             calls.truth().iter().enumerate().map(|(lane, truth)| {
                 (kinds.results(&called, lane, Precision::Single), truth.clone())
@@ -162,7 +163,7 @@ impl Workload for Called<'_> {
         };
         let settings = calls.settings(Precision::Single);
         let called = pure.call(black_box(columns), calls.count(), &settings);
-        black_box(called.map_err(|failure| failure.message)?);
+        black_box(called.map_err(|failure| failure.brief())?);
         Ok(None)
     }
 }

@@ -56,7 +56,7 @@ impl<'a> OnDriver<'a> {
         let mut reader = self.reader.borrow_mut();
         let mut watched = Stopwatch::new(reader.as_mut());
         let called = driven.call(&mut watched, columns, lanes, limit);
-        Ok((called.map_err(|failure| failure.message)?, watched.took()))
+        Ok((called.map_err(|failure| failure.brief())?, watched.took()))
     }
 }
 

@@ -10,11 +10,11 @@ use crate::picture::code::code;
 /// of full scale.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
-    /// The largest difference of linear values in steps, not clamped; of no colours it is 0. Of
-    /// results larger than 1, the largest of one call is the full scale.
-    pub max_steps: f64,
+    /// The largest difference of linear values in steps, not clamped; none where nothing was
+    /// compared. Of results larger than 1, the largest of one call is the full scale.
+    pub max_steps: Option<f64>,
     /// What 99.9 % of the channels do not exceed.
-    pub p999_steps: f64,
+    pub p999_steps: Option<f64>,
     /// Of results: the largest difference in units of the last place of an `f32`.
     pub max_ulp: Option<f64>,
     /// What 99.9 % of the results do not exceed.
@@ -36,7 +36,7 @@ pub struct Errors {
 impl Errors {
     /// Of colours against the reference's, which are `None` where undefined.
     pub fn of(colors: &[[f32; 3]], truth: &[Option<[f64; 3]>]) -> Errors {
-        let mut errors = Errors { flips: Some(0), max_code: Some(0), ..Errors::default() };
+        let mut errors = Errors::default();
         let mut steps = Vec::new();
         let (mut flips, mut max_code) = (0, 0);
         for (ours, truth) in colors.iter().zip(truth) {
@@ -56,9 +56,11 @@ impl Errors {
                 max_code = max_code.max(apart);
             }
         }
-        (errors.flips, errors.max_code) = (Some(flips), Some(max_code));
         errors.channels = steps.len() as u64;
-        (errors.max_steps, errors.p999_steps) = largest(&mut steps);
+        if let Some((max, p999)) = largest(&mut steps) {
+            (errors.max_steps, errors.p999_steps) = (Some(max), Some(p999));
+            (errors.flips, errors.max_code) = (Some(flips), Some(max_code));
+        }
         errors
     }
 
@@ -89,12 +91,18 @@ impl Errors {
         }
         errors.channels = steps.len() as u64;
         errors.differing = differing;
-        (errors.max_steps, errors.p999_steps) = largest(&mut steps);
-        if !ulps.is_empty() {
-            let (max, p999) = largest(&mut ulps);
+        if let Some((max, p999)) = largest(&mut steps) {
+            (errors.max_steps, errors.p999_steps) = (Some(max), Some(p999));
+        }
+        if let Some((max, p999)) = largest(&mut ulps) {
             (errors.max_ulp, errors.p999_ulp) = (Some(max), Some(p999));
         }
         errors
+    }
+
+    /// Whether nothing that was given is a number, though something should be.
+    pub fn is_no_number(&self) -> bool {
+        self.non_finite > 0 && self.channels == 0 && self.differing.is_none()
     }
 
     /// Part of the channels whose code is another.
@@ -114,14 +122,11 @@ pub struct Results {
     pub missing: bool,
 }
 
-/// The largest, and what 99.9 % do not exceed; 0 of none.
-pub(super) fn largest(all: &mut [f64]) -> (f64, f64) {
-    if all.is_empty() {
-        return (0.0, 0.0);
-    }
-    let max = all.iter().copied().fold(0.0, f64::max);
+/// The largest, and what 99.9 % do not exceed; none of none.
+pub(super) fn largest(all: &mut [f64]) -> Option<(f64, f64)> {
+    let max = all.iter().copied().reduce(f64::max)?;
     // Nearest rank, in whole numbers: at least 999 of 1000 are not above it.
     let rank = (all.len() * 999).div_ceil(1000);
     let (_, p999, _) = all.select_nth_unstable_by(rank - 1, f64::total_cmp);
-    (max, *p999)
+    Some((max, *p999))
 }

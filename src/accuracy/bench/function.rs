@@ -5,6 +5,7 @@
 //! with, values like those of published scenes within the domain. Feeds the workloads of
 //! [`called`](super::called).
 
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -89,7 +90,7 @@ impl Calls {
         let given = calls.given(pure, truth).map_err(&failed)?;
         let called = truth
             .call(&given, calls.lanes, &calls.settings(Precision::Double))
-            .map_err(|failure| failed(format!("`{}`: {}", truth.shown, failure.message)))?;
+            .map_err(|failure| failed(format!("`{}`: {}", truth.shown, failure.brief())))?;
         let kinds = Kinds::of(truth);
         let each = (0..calls.lanes).map(|lane| {
             let results = kinds.results(&called, lane, Precision::Double);
@@ -105,13 +106,18 @@ impl Calls {
         self.lanes
     }
 
-    /// The columns in another function's order; zeros for what it does not read.
-    pub(super) fn given(&self, first: &Pure, other: &Pure) -> Result<Vec<Vec<u64>>, String> {
+    /// The columns in another function's order, zeros for what it does not read: the same memory
+    /// where that is the same, so that it makes no difference to anybody's time.
+    pub(super) fn given(&self, first: &Pure, other: &Pure) -> Result<Cow<'_, [Vec<u64>]>, String> {
+        let order = matched::matched(first, &self.inputs, other)?;
         let column = |at: Option<usize>| match at {
             Some(at) => self.columns[at].clone(),
             None => vec![0; self.lanes],
         };
-        Ok(matched::matched(first, &self.inputs, other)?.into_iter().map(column).collect())
+        Ok(match order.iter().copied().eq((0..self.columns.len()).map(Some)) {
+            true => Cow::Borrowed(&self.columns),
+            false => order.into_iter().map(column).collect(),
+        })
     }
 
     /// What each call should give; none where that is undefined.

@@ -123,9 +123,10 @@ impl Permitted {
     /// Of the steps of each sample, infinite where a device may give anything.
     pub(super) fn of(steps: &mut [f64], unsure: u64) -> Permitted {
         let samples = steps.len() as u64;
-        let (max, p999) = largest(steps);
         let some = |x: f64| x.is_finite().then_some(x);
-        Permitted { max_steps: some(max), p999_steps: some(p999), unsure, samples }
+        let largest = largest(steps).map(|(max, p999)| (some(max), some(p999)));
+        let (max_steps, p999_steps) = largest.unwrap_or_default();
+        Permitted { max_steps, p999_steps, unsure, samples }
     }
 }
 
@@ -149,6 +150,12 @@ pub struct BenchRow {
     /// The same, round by round.
     #[serde(rename = "ns_per_fragment_rounds")]
     pub fragment_rounds: Vec<f64>,
+    /// Nanoseconds a fragment and light with all that is subtracted: the median.
+    #[serde(rename = "ns_per_light_gross")]
+    pub light_gross: Option<f64>,
+    /// Nanoseconds a fragment with what is subtracted: the median.
+    #[serde(rename = "ns_per_fragment_gross")]
+    pub fragment_gross: f64,
     /// Whether a kernel that does nothing was subtracted.
     pub subtracted: bool,
     /// How far it is from the truth.
@@ -189,11 +196,14 @@ impl BenchRow {
         let light_rounds = samples.unlit.as_deref().filter(|_| size.lights > 0).map(|unlit| {
             nanoseconds(&samples.whole, Some(unlit), fragments * f64::from(size.lights))
         });
+        let gross = Spread::of(&nanoseconds(&samples.whole, None, fragments))?.median;
         Some(BenchRow {
             variant: variant.into(),
             runner: Runner { clock: samples.clock, ..runner },
             light: light_rounds.as_deref().and_then(Spread::of),
             fragment: Spread::of(&fragment_rounds)?,
+            light_gross: light_rounds.as_ref().map(|_| gross / f64::from(size.lights)),
+            fragment_gross: gross,
             light_rounds,
             fragment_rounds,
             subtracted: samples.trivial.is_some(),
@@ -223,7 +233,7 @@ pub fn drawing(bench: &Bench) -> Scatter {
     let marks = bench.rows.iter().map(|row| {
         let time = row.light.filter(|_| by_light).unwrap_or(row.fragment);
         let error = match row.errors {
-            Errors { non_finite: 0, max_steps, .. } => max_steps,
+            Errors { non_finite: 0, max_steps, .. } => max_steps.unwrap_or(0.0),
             Errors { .. } => f64::INFINITY,
         };
         Mark {

@@ -1,11 +1,16 @@
-//! Measuring in turns: every round runs every workload, one round forwards, the next backwards.
+//! Measuring in turns: every round runs every workload, one round forwards, the next backwards,
+//! and each two rounds another begins.
 //!
 //! Whatever else the machine does hits all of them alike, and numbers of one round belong
-//! together: [`rank`](super::rank) compares round by round.
+//! together: [`rank`](super::rank) compares round by round. What is repeated runs some times
+//! before it is timed, or it would pay for what the one before it left in the caches.
 
 use std::time::{Duration, Instant};
 
 use super::clock::{self, Clock, Start, Took};
+
+/// Of so many repetitions there is one more, before time counts.
+const WARMED: u32 = 8;
 
 /// A part of a workload, so that what is not meant can be subtracted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -70,12 +75,24 @@ pub fn measure(
     rounds: &Rounds,
     progress: &mut dyn FnMut(u32),
 ) -> Vec<Result<Samples, String>> {
-    // The round that is dropped: caches fill, drivers compile, and the repetitions are chosen.
+    // The round that is dropped: caches fill, drivers compile, and the repetitions are chosen;
+    // again when all are warm, or who came first would be repeated less.
     let mut all: Vec<Result<Running, String>> =
         workloads.iter_mut().map(|workload| Running::warm(&mut **workload, rounds)).collect();
+    for (workload, running) in workloads.iter_mut().zip(&mut all) {
+        let failed = match running {
+            Ok(running) => running.settle(&mut **workload, rounds).err(),
+            Err(_) => None,
+        };
+        if let Some(failed) = failed {
+            *running = Err(failed);
+        }
+    }
     progress(0);
     for round in 0..rounds.count {
         let mut turns: Vec<_> = workloads.iter_mut().zip(&mut all).collect();
+        let first = (round / 2) as usize % turns.len().max(1);
+        turns.rotate_left(first);
         if round % 2 == 1 {
             turns.reverse();
         }
@@ -113,19 +130,20 @@ impl Running {
                 continue;
             }
             workload.run(part)?;
-            let began = Instant::now();
-            let (once, clock) = timed(workload, part, 1)?;
+            let (repeat, clock) = repetitions(workload, part, 1, rounds)?;
             running.clock = clock;
-            let least = rounds.least.as_secs_f64();
-            let repeat = (least / once.max(1e-9)).ceil();
-            // What is not counted, as the way to a driver and back, takes its time too.
-            let most = LONGEST.as_secs_f64().max(4.0 * least);
-            let most = (most / began.elapsed().as_secs_f64().max(1e-9)).ceil();
-            let repeat = repeat.min(most).clamp(1.0, 1e6);
             let seconds = Vec::with_capacity(rounds.count as usize);
-            running.parts.push(Timing { part, repeat: repeat as u32, seconds });
+            running.parts.push(Timing { part, repeat, seconds });
         }
         Ok(running)
+    }
+
+    /// Chooses the repetitions by as many as were chosen.
+    fn settle(&mut self, workload: &mut dyn Workload, rounds: &Rounds) -> Result<(), String> {
+        for timing in self.parts.iter_mut().filter(|timing| timing.repeat > 1) {
+            timing.repeat = repetitions(workload, timing.part, timing.repeat, rounds)?.0;
+        }
+        Ok(())
     }
 
     fn round(&mut self, workload: &mut dyn Workload, round: u32) -> Result<(), String> {
@@ -134,6 +152,9 @@ impl Running {
             turns.reverse();
         }
         for timing in turns {
+            for _ in 0..timing.repeat / WARMED {
+                workload.run(timing.part)?;
+            }
             let (seconds, clock) = timed(workload, timing.part, timing.repeat)?;
             if clock != self.clock {
                 return Err(format!(
@@ -159,6 +180,24 @@ impl Running {
         }
         samples
     }
+}
+
+/// How often a part is to be repeated, as it took in some runs, and the clock of those.
+fn repetitions(
+    workload: &mut dyn Workload,
+    part: Part,
+    runs: u32,
+    rounds: &Rounds,
+) -> Result<(u32, Clock), String> {
+    let began = Instant::now();
+    let (once, clock) = timed(workload, part, runs)?;
+    let least = rounds.least.as_secs_f64();
+    let repeat = (least / once.max(1e-9)).ceil();
+    // What is not counted, as the way to a driver and back, takes its time too.
+    let most = LONGEST.as_secs_f64().max(4.0 * least);
+    let each = began.elapsed().as_secs_f64() / f64::from(runs);
+    let repeat = repeat.min((most / each.max(1e-9)).ceil()).clamp(1.0, 1e6);
+    Ok((repeat as u32, clock))
 }
 
 /// Seconds of one run, over `repeat` of them.

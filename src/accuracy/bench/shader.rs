@@ -48,7 +48,7 @@ impl<'a> Shader<'a> {
             let shaded = renderer
                 .shader
                 .run(reader.as_mut(), &prepared.batch(*limit), |_, _| {})
-                .map_err(|failure| failure.message)?;
+                .map_err(|failure| failure.brief())?;
             for (at, [r, g, b, _]) in fragments.iter().zip(&shaded.colors) {
                 colors[*at as usize] = [*r, *g, *b];
             }
@@ -82,7 +82,7 @@ impl Workload for Shader<'_> {
         for prepared in prepared {
             shader
                 .run(&mut watched, &prepared.batch(*limit), |_, _| {})
-                .map_err(|failure| failure.message)?;
+                .map_err(|failure| failure.brief())?;
         }
         Ok(watched.took())
     }

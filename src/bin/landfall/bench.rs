@@ -3,8 +3,12 @@
 mod function;
 mod scene;
 
-use landfall::Error;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
 use landfall::accuracy::bench::clock::Clock;
+use landfall::accuracy::bench::shader::Shared;
 use landfall::accuracy::bench::{
     Bench, BenchRow, Errors, Failed, Machine, Permitted, Rounds, Runner, Size, Unit, Work,
     Workload, drawing, measure,
@@ -12,17 +16,32 @@ use landfall::accuracy::bench::{
 use landfall::accuracy::plot::scatter;
 use landfall::emit::bench as print;
 use landfall::run::eval::Floats;
+use landfall::source::Files;
+use landfall::{Error, Source};
 
-use crate::args::{BenchArgs, BenchFormat};
-use crate::output::{Failure, Outcome, Streams};
+use crate::args::{BenchArgs, BenchFormat, ReadArgs, ReaderName};
+use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
+use crate::{read, readers};
 
 pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let bench = match &args.function {
-        Some(name) => function::bench(args, name, streams)?,
-        None => scene::bench(args, streams)?,
+    let style = streams.style(match args.format {
+        BenchFormat::Human | BenchFormat::Csv => FindingForm::Human,
+        BenchFormat::Json => FindingForm::Json,
+    });
+    let done = match &args.function {
+        Some(name) => function::bench(args, name, streams, &style),
+        None => scene::bench(args, streams, &style),
     };
-    let Some(bench) = bench else { return Ok(Outcome::CouldNot) };
-    if let Some(path) = &args.plot {
+    let Done { bench, missing } = match done {
+        Ok(Some(done)) => done,
+        Ok(None) => return Ok(Outcome::CouldNot),
+        Err(Failure::Error(error)) => {
+            streams.report(&style.text(&[asked_wrongly(error)], &Files::default()));
+            return Ok(Outcome::CouldNot);
+        }
+        Err(Failure::BrokenPipe) => return Err(Failure::BrokenPipe),
+    };
+    if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {
         landfall::file::write_whole(path, scatter(&drawing(&bench)))?;
     }
     streams.product(&match args.format {
@@ -35,7 +54,15 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
             streams.notes(&format!("note: {variant} on {reader}: {reason}\n"));
         }
     }
-    Ok(if bench.rows.is_empty() { Outcome::CouldNot } else { Outcome::Clean })
+    // Somebody asked for numbers that are not there.
+    let absent = missing.iter().any(|name| args.reader.contains(name));
+    Ok(if absent || bench.rows.is_empty() { Outcome::CouldNot } else { Outcome::Clean })
+}
+
+/// A bench, and the readers it should have been on that could not be had.
+struct Done {
+    bench: Bench,
+    missing: Vec<ReaderName>,
 }
 
 /// Something to measure, and what is known of it already.
@@ -53,9 +80,22 @@ struct Entry<'a> {
 struct Entries<'a> {
     measured: Vec<Entry<'a>>,
     failed: Vec<Failed>,
+    missing: Vec<ReaderName>,
 }
 
 impl Entries<'_> {
+    /// Opens a reader that takes turns; where that fails, `all` fail on it.
+    fn open(&mut self, args: &BenchArgs, name: ReaderName, all: &str) -> Option<Shared> {
+        match readers::timed(name, args.adapter.as_deref()) {
+            Ok(opened) => Some(Rc::new(RefCell::new(opened))),
+            Err(failure) => {
+                self.missing.push(name);
+                self.fail(all, name.name(), failure.brief());
+                None
+            }
+        }
+    }
+
     fn fail(&mut self, variant: &str, reader: &str, reason: impl Into<String>) {
         let (variant, reader) = (variant.to_string(), reader.to_string());
         self.failed.push(Failed { variant, reader, reason: reason.into() });
@@ -71,8 +111,8 @@ struct About {
 }
 
 /// Measures in turns and ranks.
-fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Streams) -> Bench {
-    let Entries { measured: mut entries, mut failed } = entries;
+fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Streams) -> Done {
+    let Entries { measured: mut entries, mut failed, missing } = entries;
     let machine = Machine::here();
     let rounds = Rounds { count: args.rounds, ..Rounds::default() };
     let shows = streams.shows_progress_first();
@@ -97,7 +137,8 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
     }
     let About { subject, truth, unit, size: Size { fragments, lights } } = about;
     let machine = machine.after();
-    Bench { subject, truth, unit, fragments, lights, machine, rows, failed }.ranked()
+    let bench = Bench { subject, truth, unit, fragments, lights, machine, rows, failed };
+    Done { bench: bench.ranked(), missing }
 }
 
 /// Why a driver has no such variant.
@@ -115,6 +156,37 @@ fn rust() -> Runner {
     let device =
         format!("this program, {} {}, one thread", std::env::consts::OS, std::env::consts::ARCH);
     Runner { reader: "rust".to_string(), device, clock: Clock::Processor }
+}
+
+/// Whether every one of the names that an option gives is another, and none is taken already.
+fn distinct(option: &str, given: &[(String, String)], taken: Option<&str>) -> Result<(), Error> {
+    for (nth, (name, what)) in given.iter().enumerate() {
+        let about = || format!("{option} {name}={what}");
+        if taken == Some(name) {
+            return Err(Error::new(about(), "has the name of the function as it is written")
+                .with_help("give it another name"));
+        }
+        if let Some((_, other)) = given[..nth].iter().find(|(other, _)| other == name) {
+            return Err(Error::new(about(), format!("has the name of `{option} {name}={other}`"))
+                .with_help("give each a name of its own"));
+        }
+    }
+    Ok(())
+}
+
+/// Shaders by their files, each read once: of stdin there is nothing left to read again.
+#[derive(Default)]
+struct Sources(Vec<(PathBuf, Source)>);
+
+impl Sources {
+    fn read(&mut self, file: &Path, args: &ReadArgs) -> Result<Source, Error> {
+        if let Some((_, source)) = self.0.iter().find(|(known, _)| known == file) {
+            return Ok(source.clone());
+        }
+        let source = read::source(file, args)?;
+        self.0.push((file.to_path_buf(), source.clone()));
+        Ok(source)
+    }
 }
 
 fn wrong(variant: &str, what: impl Into<String>) -> Error {

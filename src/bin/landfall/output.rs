@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use anstream::{AutoStream, ColorChoice};
 use landfall::emit::{self, Paint};
+use landfall::error::ErrorKind;
 use landfall::source::Files;
 use landfall::{Diagnostic, Error, Severity};
 
@@ -46,6 +47,16 @@ impl From<Error> for Failure {
     fn from(error: Error) -> Failure {
         Failure::Error(error)
     }
+}
+
+/// Why what was asked for cannot be done, as a finding: a file that cannot be read, or arguments
+/// that are wrong.
+pub fn asked_wrongly(error: Error) -> Diagnostic {
+    let code = match error.kind {
+        ErrorKind::Unreadable => "unreadable-file",
+        ErrorKind::Other => "bad-request",
+    };
+    Diagnostic { code, ..error.into() }
 }
 
 /// How findings are written.

@@ -43,7 +43,7 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     let mut source = if is_stdin(path) {
         let name = stdin_path(args).display().to_string();
         let mut bytes = Vec::new();
-        let failed = |cause| Error::new("<stdin>", format!("cannot be read: {cause}"));
+        let failed = |cause| Error::new("<stdin>", format!("cannot be read: {cause}")).unreadable();
         std::io::stdin().lock().read_to_end(&mut bytes).map_err(failed)?;
         let text = source::decode(&name, bytes)?;
         Source::new(name, text)
@@ -69,7 +69,7 @@ pub fn shown(path: &Path) -> String {
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     let failed = |cause: std::io::Error| {
         let reason = landfall::file::reason(&cause);
-        Error::new(shown(path), format!("cannot be read: {reason}"))
+        Error::new(shown(path), format!("cannot be read: {reason}")).unreadable()
     };
     if is_stdin(path) {
         let mut bytes = Vec::new();
@@ -77,7 +77,7 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
         return Ok(bytes);
     }
     if path.is_dir() {
-        return Err(Error::new(shown(path), "is a directory, not a file"));
+        return Err(Error::new(shown(path), "is a directory, not a file").unreadable());
     }
     std::fs::read(path).map_err(failed)
 }

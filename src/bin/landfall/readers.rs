@@ -11,12 +11,17 @@ pub struct Readers {
     pub attendance: Vec<Attendance>,
 }
 
+/// The readers that are asked for, each once; all there are where none is named.
+pub fn asked(names: &[ReaderName]) -> Vec<ReaderName> {
+    let all = ReaderName::ALL.iter().copied();
+    all.filter(|name| names.is_empty() || names.contains(name)).collect()
+}
+
 /// Opens readers by name; all there are where none is named.
 pub fn open(names: &[ReaderName], adapter: Option<&str>) -> Readers {
-    let names = if names.is_empty() { &ReaderName::ALL } else { names };
     let mut readers = Readers { here: Vec::new(), attendance: Vec::new() };
-    for name in ReaderName::ALL.iter().filter(|name| names.contains(name)) {
-        match one(*name, adapter) {
+    for name in asked(names) {
+        match one(name, adapter) {
             Ok(reader) => {
                 readers.attendance.push(Attendance::Here(reader.device().clone()));
                 readers.here.push(reader);

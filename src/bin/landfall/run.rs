@@ -1,14 +1,14 @@
 //! `landfall run`: one function called, its results in f32 beside f64.
 
+use landfall::Error;
 use landfall::emit::run as print;
 use landfall::run::call::{Request, call};
 use landfall::run::eval::Floats;
 use landfall::source::Files;
-use landfall::{Diagnostic, Error};
 use serde_json::Value;
 
 use crate::args::{ReaderName, RunArgs, RunFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
 use crate::{data, read, readers};
 
 pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -22,9 +22,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let (source, request) = match made {
         Ok(made) => made,
         Err(error) => {
-            let error: Error = error;
-            let found = Diagnostic { code: "bad-request", ..error.into() };
-            streams.report(&style.text(&[found], &Files::default()));
+            streams.report(&style.text(&[asked_wrongly(error)], &Files::default()));
             return Ok(Outcome::CouldNot);
         }
     };

@@ -13,7 +13,7 @@ use landfall::source::Files;
 use landfall::{Diagnostic, Error};
 
 use crate::args::{ReaderName, StressArgs, StressFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
 use crate::run::textures;
 use crate::{data, interrupt, read, readers};
 
@@ -27,9 +27,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let (source, mut request) = match made {
         Ok(made) => made,
         Err(error) => {
-            let error: Error = error;
-            let found = Diagnostic { code: "bad-request", ..error.into() };
-            streams.report(&style.text(&[found], &Files::default()));
+            streams.report(&style.text(&[asked_wrongly(error)], &Files::default()));
             return Ok(Outcome::CouldNot);
         }
     };

@@ -320,13 +320,14 @@ fn stem(path: &str) -> String {
 /// The bytes of a file, if it is not enormous.
 fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     let shown = path.display().to_string();
-    let cannot = |cause| Error::new(&shown, format!("cannot be read: {}", reason(&cause)));
+    let cannot =
+        |cause| Error::new(&shown, format!("cannot be read: {}", reason(&cause))).unreadable();
     let file = File::open(path).map_err(cannot)?;
     let mut bytes = Vec::new();
     file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
     if bytes.len() as u64 > MOST_BYTES {
         let message = format!("is over {} MiB long, which no part of a scene is", MOST_BYTES >> 20);
-        return Err(Error::new(&shown, message));
+        return Err(Error::new(&shown, message).unreadable());
     }
     Ok(bytes)
 }

@@ -10,7 +10,16 @@ use super::render::size;
 use super::verify::seconds;
 use super::{ReadArgs, ReaderName, setting};
 
+/// What exit codes say.
+const EXITS: &str = "Exit codes: 0, measured; 2, wrong arguments, nothing could be measured, or a \
+                     reader that --reader names is not here, after what there is was printed.";
+
+/// Options of `--fn`. clap forgets that they require it beside an option that conflicts with it,
+/// so those conflict with them too.
+const OF_FUNCTIONS: [&str; 6] = ["domain", "data", "textures", "truth", "samples", "seed"];
+
 #[derive(Debug, clap::Args)]
+#[command(after_help = EXITS)]
 pub struct BenchArgs {
     /// The scene that variants light; or a shader, with --fn
     #[arg(value_name = "SCENE.json|FILE")]
@@ -34,25 +43,26 @@ pub struct BenchArgs {
     /// Part of the name of the GPU adapter to take
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Rounds that count; one more goes before
+    /// Rounds that count, 3 to 10000; one more goes before. Of fewer than 8, no time is said to be
+    /// better than another
     #[arg(long, value_name = "N", default_value = "15", value_parser = clap::value_parser!(u32).range(3..=10_000))]
     pub rounds: u32,
     /// Fragments times lights of a run at most: of a larger picture every so many fragments are
     /// lit. Plans need all of them and have no such limit
-    #[arg(long, value_name = "N", default_value = "2000000")]
+    #[arg(long, value_name = "N", default_value = "2000000", conflicts_with_all = OF_FUNCTIONS)]
     pub most: u64,
     /// Pixels of the picture [default: the scene's]
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with_all = OF_FUNCTIONS)]
     pub size: Option<[u32; 2]>,
     /// The lighting model of the reference [default: the scene's, or what the shader looks like]
-    #[arg(long, value_name = "MODEL")]
+    #[arg(long, value_name = "MODEL", conflicts_with_all = OF_FUNCTIONS)]
     pub model: Option<String>,
     /// The model of one variant, which is then held against a reference of its own: for shaders
     /// that compute something else on purpose. Once for each
-    #[arg(long, value_name = "NAME=MODEL", value_parser = setting)]
+    #[arg(long, value_name = "NAME=MODEL", value_parser = setting, conflicts_with_all = OF_FUNCTIONS)]
     pub model_of: Vec<(String, String)>,
     /// Which number of the scene goes to which member: a file of JSON, or an object
-    #[arg(long, value_name = "FILE|JSON")]
+    #[arg(long, value_name = "FILE|JSON", conflicts_with_all = OF_FUNCTIONS)]
     pub bind: Vec<String>,
     /// What inputs of --fn may be, as `stress` takes it: {"normal": "unit", "d": [0, 100]}, a file
     /// or an object [default: what comments beside them say, else what scenes have by their names]

@@ -1,6 +1,5 @@
 //! Variants of one function, called with values like those of scenes.
 
-use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -8,8 +7,7 @@ use landfall::accuracy::bench::called::{Called, Variant};
 use landfall::accuracy::bench::clock::Clock;
 use landfall::accuracy::bench::driven::OnDriver;
 use landfall::accuracy::bench::function::{Calls, Sampling};
-use landfall::accuracy::bench::shader::Shared;
-use landfall::accuracy::bench::{Bench, Errors, Permitted, Runner, Size, Unit, Work};
+use landfall::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Work};
 use landfall::run::call::Refusal;
 use landfall::run::call::pure::{Pure, PureRequest};
 use landfall::run::eval::{Cpu, Floats};
@@ -17,9 +15,9 @@ use landfall::run::reader::Reader;
 use landfall::source::Source;
 use landfall::{Error, Options};
 
-use super::{About, Entries, Entry, NO_HALF, measured, rounded, wrong};
-use crate::args::{BenchArgs, BenchFormat, ReaderName};
-use crate::output::{Failure, FindingForm, FindingStyle, Streams};
+use super::{About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, wrong};
+use crate::args::{BenchArgs, ReaderName};
+use crate::output::{Failure, FindingStyle, Streams};
 use crate::run::textures;
 use crate::{data, read, readers};
 
@@ -60,11 +58,13 @@ struct Known<'a> {
     permitted: Option<Permitted>,
 }
 
-pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<Bench>, Failure> {
-    let style = streams.style(match args.format {
-        BenchFormat::Human | BenchFormat::Csv => FindingForm::Human,
-        BenchFormat::Json => FindingForm::Json,
-    });
+pub fn bench(
+    args: &BenchArgs,
+    name: &str,
+    streams: &Streams,
+    style: &FindingStyle,
+) -> Result<Option<Done>, Failure> {
+    distinct("--variant", &args.variants, Some(FIRST))?;
     let asked = asked(args, name);
     let truth = match &args.truth {
         None => 0,
@@ -80,12 +80,12 @@ pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<B
         ..PureRequest::default()
     };
     let options = read::options(&args.read);
-    let mut made = Vec::new();
+    let (mut made, mut sources) = (Vec::new(), Sources::default());
     for (name, what) in asked {
-        let source = read::source(&what.file, &args.read)?;
+        let source = sources.read(&what.file, &args.read)?;
         match make(name, what, source, &options, &request) {
             Ok(one) => made.push(one),
-            Err(refusal) => return refused(&refusal, &style, streams),
+            Err(refusal) => return refused(&refusal, style, streams),
         }
     }
     notes(&made, streams);
@@ -100,7 +100,7 @@ pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<B
     let all: Vec<&Pure> = made.iter().map(|one| &one.exact).collect();
     let calls = match Calls::new(&first.source, &first.exact, &all, exact, &sampling) {
         Ok(calls) => calls,
-        Err(refusal) => return refused(&refusal, &style, streams),
+        Err(refusal) => return refused(&refusal, style, streams),
     };
     let mut variants = Vec::new();
     for one in &made {
@@ -115,7 +115,7 @@ pub fn bench(args: &BenchArgs, name: &str, streams: &Streams) -> Result<Option<B
         });
     }
     let mut entries = Entries::default();
-    for reader in asked_readers(args) {
+    for reader in readers::asked(&args.reader) {
         match reader {
             ReaderName::Cpu => on_evaluator(&variants, &mut entries),
             ReaderName::Gl | ReaderName::Gpu => on_driver(args, reader, &variants, &mut entries),
@@ -175,7 +175,7 @@ fn refused(
     refusal: &Refusal,
     style: &FindingStyle,
     streams: &Streams,
-) -> Result<Option<Bench>, Failure> {
+) -> Result<Option<Done>, Failure> {
     streams.report(&style.text(&refusal.found, &refusal.files));
     Ok(None)
 }
@@ -191,11 +191,6 @@ fn notes(made: &[Made], streams: &Streams) {
     }
 }
 
-fn asked_readers(args: &BenchArgs) -> Vec<ReaderName> {
-    let all = ReaderName::ALL.iter().copied();
-    all.filter(|name| args.reader.is_empty() || args.reader.contains(name)).collect()
-}
-
 /// The variants by a driver, which they take turns with.
 fn on_driver<'a>(
     args: &BenchArgs,
@@ -203,10 +198,7 @@ fn on_driver<'a>(
     variants: &'a [Known<'a>],
     entries: &mut Entries<'a>,
 ) {
-    let shared: Shared = match readers::timed(name, args.adapter.as_deref()) {
-        Ok(opened) => Rc::new(RefCell::new(opened)),
-        Err(failure) => return entries.fail("every function", name.name(), failure.message),
-    };
+    let Some(shared) = entries.open(args, name, "every function") else { return };
     let runner = Runner::of(shared.borrow().device(), Clock::Processor);
     for Known { made, variant, evaluated, permitted } in variants {
         if made.floats != Floats::AsWritten {
@@ -214,7 +206,7 @@ fn on_driver<'a>(
             continue;
         }
         let ran = OnDriver::new(variant, Rc::clone(&shared))
-            .map_err(|failure| failure.message)
+            .map_err(|failure| failure.brief())
             .and_then(|driven| Ok((driven.judged()?, driven)));
         match ran {
             Ok((errors, driven)) => entries.measured.push(Entry {

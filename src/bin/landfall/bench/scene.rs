@@ -4,25 +4,29 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
+use landfall::Error;
 use landfall::accuracy::bench::clock::Clock;
 use landfall::accuracy::bench::compiled::Compiled;
 use landfall::accuracy::bench::counted;
 use landfall::accuracy::bench::scene::Stage;
-use landfall::accuracy::bench::shader::{Shader, Shared};
+use landfall::accuracy::bench::shader::Shader;
 use landfall::accuracy::bench::uploaded::Uploaded;
-use landfall::accuracy::bench::{Bench, Permitted, Runner, Size, Unit, Work};
+use landfall::accuracy::bench::{Permitted, Runner, Size, Unit, Work};
 use landfall::light::compiled::{Form, Gates};
 use landfall::light::reference::Model;
 use landfall::light::render::{Renderer, truth};
 use landfall::light::{Frame, Upload, skip};
 use landfall::run::eval::{Cpu, Floats};
 use landfall::run::reader::Reader;
+use landfall::source::kind_of_path;
 
-use super::{About, Entries, Entry, NO_HALF, measured, rounded, rust, wrong};
-use crate::args::{BenchArgs, BenchFormat, ReaderName};
-use crate::output::{Failure, FindingForm, Streams};
+use super::{
+    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, rust, wrong,
+};
+use crate::args::{BenchArgs, ReaderName};
+use crate::output::{Failure, FindingStyle, Streams};
 use crate::readers;
-use crate::render::asked::{Asked, Wanted, asked};
+use crate::render::asked::{Asked, Wanted, asked, model, said};
 
 /// What a variant is.
 enum What {
@@ -34,45 +38,53 @@ enum What {
     Plan(skip::Options),
 }
 
-pub fn bench(args: &BenchArgs, streams: &Streams) -> Result<Option<Bench>, Failure> {
-    let style = streams.style(match args.format {
-        BenchFormat::Human | BenchFormat::Csv => FindingForm::Human,
-        BenchFormat::Json => FindingForm::Json,
-    });
-    let ask = |shader: Option<PathBuf>, model: Option<&String>| {
-        let wanted = Wanted {
-            scene: &args.subject,
-            shader,
-            entry: None,
-            size: args.size,
-            model: model.or(args.model.as_ref()).cloned(),
-            bind: args.bind.clone(),
-            read: &args.read,
-        };
-        asked(&wanted, streams, &style)
+pub fn bench(
+    args: &BenchArgs,
+    streams: &Streams,
+    style: &FindingStyle,
+) -> Result<Option<Done>, Failure> {
+    distinct("--variant", &args.variants, None)?;
+    distinct("--model-of", &args.model_of, None)?;
+    if kind_of_path(&args.subject).is_some() {
+        let shown = args.subject.display().to_string();
+        return Err(Error::new(shown, "is a shader, and no scene")
+            .with_help("a shader is called with `--fn NAME`")
+            .into());
+    }
+    let wanted = Wanted {
+        scene: &args.subject,
+        shader: None,
+        entry: None,
+        size: args.size,
+        model: args.model.clone(),
+        bind: args.bind.clone(),
+        read: &args.read,
     };
-    let Some(own) = ask(None, None)? else { return Ok(None) };
+    let Some(own) = asked(&wanted, streams, style)? else { return Ok(None) };
     let variants = variants(args, &own)?;
     let unknown = args.model_of.iter().find(|(of, _)| variants.iter().all(|(name, _)| name != of));
     if let Some((name, _)) = unknown {
         return Err(wrong(name, "is no variant, and `--model-of` gives it a model").into());
     }
+    let mut sources = Sources::default();
     let mut renderers: Vec<Option<Renderer>> = Vec::new();
     let mut models: Vec<Option<Model>> = Vec::new();
     for (name, what) in &variants {
-        let said = args.model_of.iter().find(|(of, _)| of == name).map(|(_, model)| model);
-        models.push(match said {
-            Some(model) => {
-                let Some(asked) = ask(None, Some(model))? else { return Ok(None) };
-                asked.model
-            }
-            None => None,
-        });
+        let own_model = args.model_of.iter().find(|(of, _)| of == name);
+        let read = |(_, text): &(String, String)| model("--model-of", said("--model-of", text)?);
+        models.push(own_model.map(read).transpose()?);
         renderers.push(match what {
             What::Shader(file, ..) => {
-                let Some(asked) = ask(file.clone(), None)? else { return Ok(None) };
+                let asked = match file {
+                    Some(file) => &own.with_shader(sources.read(file, &args.read)?),
+                    None => &own,
+                };
                 match asked.renderer() {
-                    Ok(renderer) => renderer,
+                    Ok(Some(renderer)) => Some(renderer),
+                    Ok(None) => {
+                        let what = "is of the scene's own shader, and the scene names none";
+                        return Err(wrong(name, what).into());
+                    }
                     Err(error) => {
                         let (found, files) = asked.findings(&error);
                         streams.report(&style.text(&found, files));
@@ -219,9 +231,8 @@ fn entries<'a>(
             None => {}
         }
     }
-    let names = if args.reader.is_empty() { &ReaderName::ALL[..] } else { &args.reader };
-    for reader in names {
-        on_reader(args, *reader, &lit, &mut entries);
+    for reader in readers::asked(&args.reader) {
+        on_reader(args, reader, &lit, &mut entries);
     }
     entries
 }
@@ -242,10 +253,7 @@ fn on_reader<'a>(
     lit: &[Counted<'a>],
     entries: &mut Entries<'a>,
 ) {
-    let shared: Shared = match readers::timed(name, args.adapter.as_deref()) {
-        Ok(opened) => Rc::new(RefCell::new(opened)),
-        Err(failure) => return entries.fail("every shader", name.name(), failure.message),
-    };
+    let Some(shared) = entries.open(args, name, "every shader") else { return };
     let runner = Runner::of(shared.borrow().device(), Clock::Processor);
     for Counted { name: variant, uploaded, floats, work, permitted } in lit {
         let shared = match (name, floats) {

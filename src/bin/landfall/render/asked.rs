@@ -17,6 +17,7 @@ use crate::output::{FindingStyle, Streams};
 use crate::{data, read};
 
 /// A scene and everything that is asked of it.
+#[derive(Clone)]
 pub struct Asked {
     pub scene: Scene,
     pub shader: Option<Source>,
@@ -88,7 +89,7 @@ pub fn asked(
         None => None,
     };
     let model = match (&args.model, &scene.model) {
-        (Some(text), _) => Some(model("--model", said(text)?)?),
+        (Some(text), _) => Some(model("--model", said("--model", text)?)?),
         (None, Some(value)) => Some(model(&path, value.clone())?),
         (None, None) => None,
     };
@@ -121,14 +122,15 @@ fn beside(scene: &Path, name: &str) -> PathBuf {
 }
 
 /// A model's name, or the object it is.
-fn said(text: &str) -> Result<Value, Error> {
+pub fn said(option: &str, text: &str) -> Result<Value, Error> {
     match text.trim_start().starts_with('{') {
-        true => data::value("--model", text),
+        true => data::value(option, text),
         false => Ok(Value::String(text.to_string())),
     }
 }
 
-fn model(about: &str, value: Value) -> Result<Model, Error> {
+/// A lighting model.
+pub fn model(about: &str, value: Value) -> Result<Model, Error> {
     serde_json::from_value(value).map_err(|error| {
         Error::new(about, format!("says a lighting model that is none: {error}"))
             .with_help("models are `multi`, `array`, `view_space` and `casters`")
@@ -188,7 +190,14 @@ impl Asked {
         self.renderer_with(|_| {})
     }
 
-    /// The same with more said of how the shader is read.
+    /// The same with another shader.
+    pub fn with_shader(&self, shader: Source) -> Asked {
+        let mut files = Files::default();
+        files.add(shader.path.clone(), shader.text.clone());
+        Asked { shader: Some(shader), files, ..self.clone() }
+    }
+
+    /// The shader with its binding, and with more said of how the shader is read.
     pub fn renderer_with(
         &self,
         say: impl FnOnce(&mut ReadOptions),
