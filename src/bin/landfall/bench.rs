@@ -116,14 +116,20 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
     let machine = Machine::here();
     let rounds = Rounds { count: args.rounds, ..Rounds::default() };
     let shows = streams.shows_progress_first();
-    let mut progress = |done: u32| {
-        if shows {
-            streams.progress(&format!("round {done} of {}", args.rounds));
-        }
-    };
-    let mut workloads: Vec<&mut dyn Workload> =
-        entries.iter_mut().map(|entry| &mut *entry.workload as &mut dyn Workload).collect();
-    let samples = measure(&mut workloads, &rounds, &mut progress);
+    let mut samples = Vec::new();
+    // One reader after the other: nobody is compared with another's, and who would run behind
+    // another reader would pay for what that left in the caches.
+    for group in entries.chunk_by_mut(|a, b| a.runner.reader == b.runner.reader) {
+        let reader = group[0].runner.reader.clone();
+        let mut progress = |done: u32| {
+            if shows {
+                streams.progress(&format!("{reader}: round {done} of {}", args.rounds));
+            }
+        };
+        let mut workloads: Vec<&mut dyn Workload> =
+            group.iter_mut().map(|entry| &mut *entry.workload as &mut dyn Workload).collect();
+        samples.extend(measure(&mut workloads, &rounds, &mut progress));
+    }
     let mut rows = Vec::new();
     for (entry, samples) in entries.into_iter().zip(samples) {
         let Entry { variant, runner, errors, permitted, work, .. } = entry;
