@@ -288,3 +288,28 @@ void main() { colour = vec4(few(1.0), grown(1.0), 0, 1); }
     let said = refused(&path, &[&grown[..], &["--half", "--reader", "gl"]].concat());
     assert!(said.contains("`--reader gl` runs the text as it is written"), "{said}");
 }
+
+#[test]
+fn members_of_a_block_of_inputs_have_values_on_every_reader() {
+    let text = "#version 330
+in Stage { vec2 uv; float w; } stage;
+in Bare { float bare; };
+out vec4 colour;
+float f(float a) { return a * stage.uv.x + stage.w + 100.0 * bare; }
+void main() { colour = vec4(f(1.0)); }
+";
+    let path = shader("stage.frag", text);
+    for reader in ["cpu", "gl", "gpu"] {
+        let call = ["--fn", "f", "--args", "[2]", "--reader", reader];
+        let given = ["--input", "Stage.uv=[3, 7]", "--input", "Bare.bare=0.5"];
+        let text = ran(&path, &[&call[..], &given].concat());
+        // 2 * 3 + 0 + 100 / 2.
+        assert_eq!(row(&text, "result")[0], "56.0", "{reader}");
+        assert!(text.contains("it reads `Stage.w`, which is zero"), "{reader}: {text}");
+    }
+    let mut landfall = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    landfall.arg("stress").arg(&path).args(["--fn", "f", "--samples", "64", "--format", "json"]);
+    let report: Value = serde_json::from_slice(&landfall.output().unwrap().stdout).unwrap();
+    let inputs = report["inputs"].as_array().unwrap().iter().filter_map(|i| i["path"].as_str());
+    assert_eq!(inputs.collect::<Vec<_>>(), ["Stage.uv", "Stage.w", "Bare.bare", "a"]);
+}

@@ -104,6 +104,8 @@ pub struct EntryInterface {
     pub name: String,
     /// Its location in the module.
     pub location: u32,
+    /// The variable it is a part of.
+    pub(super) variable: Handle<GlobalVariable>,
 }
 
 /// A function that is not in a module, as it does not run.

@@ -4,7 +4,9 @@
 //! Made of a [`Module`]; the evaluator runs it for [`call`](super::call()), and drivers what
 //! [`driven`](super::driven) makes of it.
 
-use naga::{Block, Expression, Function, FunctionArgument, Handle, Span, Statement};
+use naga::{
+    Block, Expression, Function, FunctionArgument, GlobalVariable, Handle, Span, Statement,
+};
 
 use crate::Diagnostic;
 use crate::run::Module;
@@ -16,8 +18,15 @@ pub(super) const NAME: &str = "landfall_call";
 pub(super) struct Caller {
     pub module: Module,
     pub handle: Handle<Function>,
-    /// Names of the shader's inputs, each a parameter.
-    pub inputs: Vec<String>,
+    /// The shader's inputs, each a parameter.
+    pub inputs: Vec<CallerInput>,
+}
+
+/// An input of the shader.
+pub(super) struct CallerInput {
+    pub name: String,
+    /// What the shader reads it from.
+    pub variable: Option<Handle<GlobalVariable>>,
 }
 
 /// The module with a function that calls the one meant.
@@ -46,7 +55,7 @@ pub(super) fn caller(module: &Module, target: Handle<Function>) -> Result<Caller
 }
 
 /// What GLSL's entry point does before it calls `main`; nothing where there is no `main`.
-fn prologue(module: &Module) -> (Function, Vec<String>) {
+fn prologue(module: &Module) -> (Function, Vec<CallerInput>) {
     let empty = || (Function { name: Some(NAME.to_string()), ..Function::default() }, Vec::new());
     let Some(main) = module.functions().iter().find(|f| f.name == "main").map(|f| f.handle) else {
         return empty();
@@ -77,7 +86,16 @@ fn prologue(module: &Module) -> (Function, Vec<String>) {
             Some(naga::Binding::BuiltIn(_)) | None => None,
         };
         let known = module.inputs().iter().find(|input| Some(input.location) == location);
-        known.map_or_else(|| argument.name.clone().unwrap_or_default(), |input| input.name.clone())
+        let own = argument.name.clone().unwrap_or_default();
+        let named = || {
+            let mut all = module.ir.global_variables.iter();
+            all.find(|(_, variable)| variable.name.as_ref() == Some(&own)).map(|(handle, _)| handle)
+        };
+        match known {
+            Some(known) => CallerInput { name: known.name.clone(), variable: Some(known.variable) },
+            // One of the language's own.
+            None => CallerInput { variable: named(), name: own },
+        }
     });
     let inputs = inputs.collect();
     (function, inputs)

@@ -7,7 +7,7 @@ use naga::{AddressSpace, Function, GlobalVariable, Handle};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::arguments::Misfit;
-use super::caller::{self, Caller};
+use super::caller::{self, Caller, CallerInput};
 use super::effects::{Seen, look, through_initialisers};
 use super::find::{alone, opaque, shown};
 use super::globals::through_arguments;
@@ -82,7 +82,9 @@ pub(super) fn make(
     let read = reads::members(&module.ir, caller);
     let mut notes = Vec::new();
     let blocks = sampled(&module, &reached, &read, &request.data, &mut notes);
-    let read_inputs = inputs.iter().map(|name| is_reached(&module, &reached, name)).collect();
+    let is_read = |input: &CallerInput| input.variable.is_some_and(|v| reached.contains(&v));
+    let (read_inputs, inputs): (Vec<bool>, Vec<String>) =
+        inputs.into_iter().map(|input| (is_read(&input), input.name)).unzip();
     through_arguments(&mut module, handle, &blocks, &written);
     let bytes = bound::blocks(&module, &request.data, bound::zeros)?;
     let files = module.files().clone();
@@ -219,10 +221,4 @@ fn sampled(
         blocks.push(Sampled { number, variable, members: members.collect() });
     }
     blocks
-}
-
-/// Whether an input of the stage is reached, by its name.
-fn is_reached(module: &Module, reached: &FxHashSet<Handle<GlobalVariable>>, name: &str) -> bool {
-    let root = name.split(['.', '[']).next().unwrap_or(name);
-    reached.iter().any(|v| module.ir.global_variables[*v].name.as_deref() == Some(root))
 }

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use self::caller::Caller;
+use self::caller::{Caller, CallerInput};
 use self::find::Found;
 pub use self::report::{CallReport, Given, GivenScalar};
 use super::bound::{self, Data};
@@ -243,8 +243,8 @@ impl Job<'_> {
         caller: &Caller,
         signature: &FunctionSignature,
     ) -> Result<Vec<Words>, Box<Diagnostic>> {
-        let known = &caller.inputs;
-        if let Some((name, _)) = self.request.inputs.iter().find(|(name, _)| !known.contains(name))
+        let known: Vec<&String> = caller.inputs.iter().map(|input| &input.name).collect();
+        if let Some((name, _)) = self.request.inputs.iter().find(|(name, _)| !known.contains(&name))
         {
             let all: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
             return Err(Box::new(Diagnostic::about(
@@ -256,7 +256,7 @@ impl Job<'_> {
         }
         let language = self.source.language;
         let each = known.iter().zip(&signature.parameters).map(|(name, parameter)| {
-            let given = self.request.inputs.iter().find(|(given, _)| given == name);
+            let given = self.request.inputs.iter().find(|(given, _)| given == *name);
             let mut words = Vec::new();
             match given {
                 Some((_, value)) => {
@@ -282,17 +282,13 @@ impl Job<'_> {
     }
 
     fn assumed_inputs(&self, caller: &Caller, found: &Found<'_>, notes: &mut Vec<String>) {
-        let ir = &self.module.ir;
-        let reached = reach::variables(ir, &ir.functions[found.info.handle]);
-        let mut names: Vec<&str> = ir
-            .global_variables
-            .iter()
-            .filter(|(handle, _)| reached.contains(handle))
-            .filter_map(|(_, variable)| variable.name.as_deref())
-            .filter(|name| caller.inputs.iter().any(|input| input == name))
-            .filter(|name| !self.request.inputs.iter().any(|(given, _)| given == name))
-            .collect();
-        names.dedup();
+        let ir = &caller.module.ir;
+        let mut reached = reach::variables(ir, &ir.functions[found.info.handle]);
+        effects::through_initialisers(ir, &ir.functions[caller.handle], &mut reached);
+        let is_read = |input: &&CallerInput| input.variable.is_some_and(|v| reached.contains(&v));
+        let mut names: Vec<&str> =
+            caller.inputs.iter().filter(is_read).map(|input| input.name.as_str()).collect();
+        names.retain(|name| !self.request.inputs.iter().any(|(given, _)| given == name));
         if names.is_empty() {
             return;
         }

@@ -193,7 +193,11 @@ impl Lowerer<'_> {
         });
         let interface = |slots: &[Slot], all: &[Io]| {
             let slots = slots.iter().filter(|slot| all[slot.io].binding.is_none());
-            slots.map(|s| EntryInterface { name: s.name.clone(), location: s.location }).collect()
+            let entry = |slot: &Slot| {
+                let (name, location) = (slot.name.clone(), slot.location);
+                EntryInterface { name, location, variable: all[slot.io].variable }
+            };
+            slots.map(entry).collect()
         };
         Ok((interface(&inputs, &self.io), interface(&outputs, &self.io)))
     }
