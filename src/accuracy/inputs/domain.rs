@@ -48,7 +48,7 @@ impl Within {
     pub fn text(self) -> String {
         match self {
             Within::Any => "any".to_string(),
-            Within::Range(low, high) => format!("{low}..{high}"),
+            Within::Range(low, high) => format!("{}..{}", short(low), short(high)),
             Within::Unit => "unit".to_string(),
             Within::Position => "position".to_string(),
             Within::Color => "color".to_string(),
@@ -347,17 +347,24 @@ fn read(path: &str, value: &Value) -> Result<Within, Refused> {
 
 /// A range that has something in it.
 pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<Within, Refused> {
+    let (least, most) = (short(low), short(high));
     if low > high {
-        let message = format!("`{path}`: the range from {low:?} to {high:?} is inverted");
-        return Err(refused(message, format!("write `[{high:?}, {low:?}]`")));
+        let message = format!("`{path}`: the range from {least} to {most} is inverted");
+        return Err(refused(message, format!("write `[{most}, {least}]`")));
     }
     // Some f32 lies in it.
     let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
     if f64::from(up) > high || !low.is_finite() || !high.is_finite() {
-        let message = format!("`{path}`: no `f32` is from {low:?} to {high:?}: the range is empty");
+        let message = format!("`{path}`: no `f32` is from {least} to {most}: the range is empty");
         return Err(refused(message, "widen it"));
     }
     Ok(Within::Range(low, high))
+}
+
+/// A number in its fewest digits: `1`, `0.5`, `1e-320`.
+fn short(x: f64) -> String {
+    let text = format!("{x:?}");
+    text.strip_suffix(".0").unwrap_or(&text).to_string()
 }
 
 /// The whole numbers of an input's type that are within.
@@ -370,7 +377,8 @@ fn whole(within: Within, input: &Input) -> Result<Within, Refused> {
     let (low, high) = within.bounds();
     let (first, last) = (low.ceil().max(least), high.floor().min(most));
     if first > last {
-        let message = format!("`{}`: no `{name}` is from {low:?} to {high:?}", input.path);
+        let message =
+            format!("`{}`: no `{name}` is from {} to {}", input.path, short(low), short(high));
         return Err(refused(message, "widen it"));
     }
     Ok(Within::Range(first, last))

@@ -192,31 +192,56 @@ impl<'m> Builder<'m> {
         ty: Handle<Type>,
         at: At,
     ) -> Option<()> {
+        self.parts(pointer, ty, at, &|new, part, ty, at| {
+            let value = new.load(ty, at)?;
+            new.statement(Statement::Store { pointer: part, value });
+            Some(())
+        })
+    }
+
+    /// Writes what a variable of a type holds, part by part, as [`Builder::load_into`] reads it.
+    pub fn store_from(
+        &mut self,
+        pointer: Handle<Expression>,
+        ty: Handle<Type>,
+        at: At,
+    ) -> Option<()> {
+        self.parts(pointer, ty, at, &|new, part, ty, at| {
+            let value = new.computed(Expression::Load { pointer: part });
+            new.store(ty, value, at)
+        })
+    }
+
+    /// Does something with each part of a variable that is no structure or array, and its words.
+    fn parts(
+        &mut self,
+        pointer: Handle<Expression>,
+        ty: Handle<Type>,
+        at: At,
+        each: &dyn Fn(&mut Self, Handle<Expression>, Handle<Type>, At) -> Option<()>,
+    ) -> Option<()> {
         let inner = self.types[ty].inner.clone();
         match inner {
             TypeInner::Struct { members, .. } => {
                 let mut offset = 0;
                 for (i, member) in (0..).zip(members) {
                     let part = self.index(pointer, i);
-                    self.load_into(part, member.ty, at.on(offset))?;
+                    self.parts(part, member.ty, at.on(offset), each)?;
                     offset += words(self.types, member.ty)?;
                 }
             }
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
                 let step = words(self.types, base)?;
                 if len.get() > UNROLLED {
-                    let each = |new: &mut Self, part, at| new.load_into(part, base, at);
-                    return self.in_a_loop(pointer, (len.get(), step), at, each);
+                    let element = |new: &mut Self, part, at| new.parts(part, base, at, each);
+                    return self.in_a_loop(pointer, (len.get(), step), at, element);
                 }
                 for i in 0..len.get() {
                     let part = self.index(pointer, i);
-                    self.load_into(part, base, at.on(i * step))?;
+                    self.parts(part, base, at.on(i * step), each)?;
                 }
             }
-            _ => {
-                let value = self.load(ty, at)?;
-                self.statement(Statement::Store { pointer, value });
-            }
+            _ => each(self, pointer, ty, at)?,
         }
         Some(())
     }
@@ -329,42 +354,6 @@ impl<'m> Builder<'m> {
                 }
             }
             _ => return None,
-        }
-        Some(())
-    }
-
-    /// Writes what a variable of a type holds, part by part, as [`Builder::load_into`] reads it.
-    pub fn store_from(
-        &mut self,
-        pointer: Handle<Expression>,
-        ty: Handle<Type>,
-        at: At,
-    ) -> Option<()> {
-        let inner = self.types[ty].inner.clone();
-        match inner {
-            TypeInner::Struct { members, .. } => {
-                let mut offset = 0;
-                for (i, member) in (0..).zip(members) {
-                    let part = self.index(pointer, i);
-                    self.store_from(part, member.ty, at.on(offset))?;
-                    offset += words(self.types, member.ty)?;
-                }
-            }
-            TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
-                let step = words(self.types, base)?;
-                if len.get() > UNROLLED {
-                    let each = |new: &mut Self, part, at| new.store_from(part, base, at);
-                    return self.in_a_loop(pointer, (len.get(), step), at, each);
-                }
-                for i in 0..len.get() {
-                    let part = self.index(pointer, i);
-                    self.store_from(part, base, at.on(i * step))?;
-                }
-            }
-            _ => {
-                let value = self.computed(Expression::Load { pointer });
-                self.store(ty, value, at)?;
-            }
         }
         Some(())
     }
