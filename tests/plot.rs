@@ -118,6 +118,25 @@ fn the_front_steps_through_those_that_no_other_beats() {
 }
 
 #[test]
+fn a_front_leaves_out_what_is_faster_by_chance() {
+    let mark = |label: &str, time: f64, error: f64, dominated: bool| Mark {
+        label: label.to_string(),
+        series: "gl".to_string(),
+        time: [time * 0.9, time, time * 1.1],
+        error,
+        dominated,
+    };
+    let both = |dominated| {
+        scatter(&drawing(vec![mark("a", 59.1, 1.6e-3, dominated), mark("b", 59.3, 2.9e-4, false)]))
+    };
+    let has_front = |text: &str| {
+        let document = Document::parse(text).unwrap();
+        of_class(&document, "front").any(|n| n.attribute("d").is_some_and(|d| d.contains('H')))
+    };
+    assert!(has_front(&both(false)) && !has_front(&both(true)));
+}
+
+#[test]
 fn labels_are_apart_and_inside() {
     let mut random = fastrand::Rng::with_seed(4);
     for _ in 0..50 {

@@ -198,12 +198,13 @@ impl Plan {
         svg.upward("", [18.0, (FRAME.top + FRAME.bottom) / 2.0], &scatter.error);
     }
 
-    /// The marks of a series that none is below and left of, by their time.
+    /// The marks of a series that none is below and left of, by their time; without those that
+    /// another is better than, whose median may be lower by chance.
     fn front(&self, scatter: &Scatter, series: &str) -> Vec<[f64; 2]> {
         let mut marks: Vec<&Mark> = scatter
             .marks
             .iter()
-            .filter(|mark| mark.series == series && mark.error.is_finite())
+            .filter(|mark| mark.series == series && mark.error.is_finite() && !mark.dominated)
             .collect();
         marks.sort_by(|a, b| a.time[1].total_cmp(&b.time[1]).then(a.error.total_cmp(&b.error)));
         let mut corners: Vec<[f64; 2]> = Vec::new();
