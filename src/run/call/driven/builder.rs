@@ -37,6 +37,9 @@ impl At {
 /// Arrays of more elements are read and written in a loop.
 const UNROLLED: u32 = 4;
 
+/// What is done with a part of a variable: where it is, its type, and its words.
+type Each<'m> = dyn Fn(&mut Builder<'m>, Handle<Expression>, Handle<Type>, At) -> Option<()>;
+
 impl<'m> Builder<'m> {
     pub fn new(types: &'m mut UniqueArena<Type>) -> Builder<'m> {
         Builder {
@@ -218,7 +221,7 @@ impl<'m> Builder<'m> {
         pointer: Handle<Expression>,
         ty: Handle<Type>,
         at: At,
-        each: &dyn Fn(&mut Self, Handle<Expression>, Handle<Type>, At) -> Option<()>,
+        each: &Each<'m>,
     ) -> Option<()> {
         let inner = self.types[ty].inner.clone();
         match inner {
