@@ -130,6 +130,27 @@ fn what_is_found_in_f16_is_repeated_in_f16() {
 }
 
 #[test]
+fn what_no_text_says_is_found_where_the_function_is_named() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("given.frag");
+    let text = "#version 450\nfloat given(float x) { return x; }\nvoid main() {}\n";
+    std::fs::write(&path, text).unwrap();
+    // What is given is rounded before the function begins.
+    let few = ["--fn", "given", "--half", "--samples", "2000", "--format", "json"];
+    let report: Value = serde_json::from_slice(&stress(&path, &few).stdout).unwrap();
+    let found = report["findings"].as_array().unwrap();
+    assert!(!found.is_empty());
+    for found in found {
+        assert_eq!(
+            (&found["line"], &found["column"]),
+            (&Value::from(2), &Value::from(7)),
+            "{found:#}"
+        );
+    }
+}
+
+#[test]
 fn what_is_found_is_repeated_by_the_command_beside_it() {
     let path = shader("repeats.frag");
     let few = ["--fn", "direction", "--samples", "4000", "--time", "3", "--format", "json"];
@@ -255,6 +276,10 @@ fn an_error_map_is_a_drawing_of_the_two_inputs() {
     for axis in ["v.x", "v.y"] {
         assert!(texts.iter().any(|text| text.contains(axis)), "{axis} in {texts:?}");
     }
+    let twice = ["--map", map.to_str().unwrap(), "--map-x", "v.x", "--map-y", "v.x"];
+    let output = stress(&path, &[&few[..], &twice].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(std::fs::read_to_string(&map).unwrap(), drawing, "it is left as it was");
 }
 
 /// Where signals can be looked at.

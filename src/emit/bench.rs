@@ -8,6 +8,7 @@ use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
 use super::SCHEMA_VERSION;
+use super::csv::quoted;
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use super::words;
@@ -226,18 +227,10 @@ pub fn csv(bench: &Bench) -> String {
             whole(work.bytes),
             dominated_by.join(" "),
         ]);
-        let cells: Vec<String> = cells.iter().map(|cell| quoted(cell)).collect();
+        let cells: Vec<String> = cells.into_iter().map(quoted).collect();
         let _ = writeln!(text, "{}", cells.join(","));
     }
     text
-}
-
-/// A cell as RFC 4180 has it.
-fn quoted(cell: &str) -> String {
-    match cell.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell.to_string(),
-    }
 }
 
 #[derive(Serialize)]

@@ -104,7 +104,7 @@ const SPECIAL: [char; 4] = [',', '"', '\n', '\r'];
 
 /// RFC 4180 §2.6 and 2.7: a field with a comma, quote or line break stands in quotes, its quotes
 /// doubled.
-fn quoted(field: String) -> String {
+pub(super) fn quoted(field: String) -> String {
     if field.contains(SPECIAL) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field }
 }
 

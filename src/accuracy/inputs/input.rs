@@ -92,13 +92,7 @@ impl std::ops::Deref for Inputs {
     }
 }
 
-/// Every input of a function, in the order of its scalars.
-pub fn inputs(pure: &Pure) -> Inputs {
-    let read: Vec<bool> = pure.parameters.iter().map(|parameter| parameter.read).collect();
-    inputs_of(pure, &read)
-}
-
-/// The inputs among the parameters that are sampled.
+/// The inputs among the parameters that are sampled, in the order of their scalars.
 pub(super) fn inputs_of(pure: &Pure, sampled: &[bool]) -> Inputs {
     let mut all = Vec::new();
     let mut first = 0;

@@ -52,7 +52,7 @@ pub(in crate::accuracy) fn published(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{domain, input};
+    use super::super::{domain, input, matched};
     use super::*;
     use crate::Options;
     use crate::run::call::pure::{Pure, PureRequest};
@@ -62,7 +62,7 @@ mod tests {
         let source = Source::new("f.frag", text);
         let request = PureRequest { function: "f".to_string(), ..PureRequest::default() };
         let pure = Pure::new(&source, &Options::default(), &request).expect("it is pure");
-        let inputs = input::inputs(&pure);
+        let inputs = matched::shared(&pure, &[]);
         let json = serde_json::from_str(json).expect("it is JSON");
         let domain = domain(&source, &pure, &inputs, Some(&json)).expect("it has something in it");
         let all = published(&inputs, &domain, seed, 500);

@@ -128,7 +128,7 @@ fn turned(bits: i32) -> i32 {
 mod tests {
     use std::collections::HashSet;
 
-    use super::super::input;
+    use super::super::matched;
     use super::*;
     use crate::run::call::pure::{Pure, PureRequest};
     use crate::{Options, Source};
@@ -139,7 +139,7 @@ mod tests {
         let source = Source::new("f.frag", text);
         let request = PureRequest { function: "f".to_string(), ..PureRequest::default() };
         let pure = Pure::new(&source, &Options::default(), &request).expect("it is pure");
-        let inputs = input::inputs(&pure);
+        let inputs = matched::shared(&pure, &[]);
         let mut domain = Domain::any(&inputs);
         let json = serde_json::from_str(json).expect("it is JSON");
         domain.add_json(&json, &inputs).expect("it has something in it");

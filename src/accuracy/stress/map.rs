@@ -5,7 +5,8 @@
 use super::Request;
 use super::deadline::Deadline;
 use super::domain::Within;
-use super::input::{Sample, inputs};
+use super::input::Sample;
+use super::matched;
 use super::measure::{Outcome, floats, outcome};
 use super::random::Random;
 use super::report::Report;
@@ -49,7 +50,9 @@ pub fn error_map(
     map: &MapRequest,
 ) -> Result<String, Box<Refusal>> {
     let pure = Pure::new(source, options, &request.pure)?;
-    let all = inputs(&pure);
+    let against = request.against.as_ref();
+    let against = against.map(|(source, other)| Pure::new(source, options, other)).transpose()?;
+    let all = matched::shared(&pure, &against.iter().collect::<Vec<_>>());
     let refused = |found| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
     let domain = crate::accuracy::inputs::domain(source, &pure, &all, request.domain.as_ref())
         .map_err(&refused)?;
@@ -69,6 +72,10 @@ pub fn error_map(
         })
     };
     let (x, y) = (scalar(&map.x, "--map-x")?, scalar(&map.y, "--map-y")?);
+    if x == y {
+        let message = format!("`{}` cannot be both axes of a map", map.x);
+        return Err(refused(Diagnostic::about("bad-request", message, None, "--map-y")));
+    }
     let plan = Plan {
         samples: 0,
         until: Deadline::default(),

@@ -10,7 +10,7 @@ use super::input::Sample;
 use super::judge::{Answered, Came, Seen, Why, came};
 use super::measure::{Off, Outcome, floats};
 use super::permitted::{PermittedAt, Verdict, permitted, verdict};
-use super::report::{Asked, Found, place_of_name};
+use super::report::{Asked, Found};
 use super::sample::{Plan, Tally, columns, settings};
 use super::shrink::plausible;
 use crate::lint::Level;
@@ -208,7 +208,7 @@ pub(super) fn on_a_driver(
             (false, true) => hazard.level,
             (_, false) => Level::Warn,
         },
-        place: place_of_name(pure),
+        place: pure.place(),
         reader: Some(reader),
         operation: None,
         kind: None,

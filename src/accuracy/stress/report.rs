@@ -269,7 +269,7 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> Found {
     Found {
         hazard: &hazard::ENDLESS_LOOP,
         level: Level::Deny,
-        place: place_of_name(writing.pure),
+        place: writing.pure.place(),
         reader: None,
         operation: None,
         kind: None,
@@ -285,15 +285,6 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> Found {
         seen: 1,
         plausible: false,
     }
-}
-
-/// The place of the function's name.
-pub(super) fn place_of_name(pure: &Pure) -> Place {
-    let span = pure.name_span.unwrap_or_default();
-    let at = pure.files.locate(span);
-    let shown = format!("{}:{}:{}", at.path, at.line, at.column);
-    let function = pure.shown.split('(').next().unwrap_or_default().to_string();
-    Place { function, span, shown }
 }
 
 /// What another function gives for a sample, each of its scalars one of those or nothing it reads.

@@ -114,7 +114,7 @@ pub(super) fn make(
     notes.extend(white(module.handles().iter().filter(reached), &request.textures));
     Ok(Pure {
         shown,
-        name_span: Some(info.span),
+        name_span: info.span,
         parameters,
         results,
         notes,

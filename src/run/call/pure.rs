@@ -37,7 +37,7 @@ pub struct Pure {
     /// Its name with the types of its parameters.
     pub shown: String,
     /// Its name in the text.
-    pub name_span: Option<TextSpan>,
+    pub name_span: TextSpan,
     /// What it reads.
     pub parameters: Vec<PureParameter>,
     /// What it gives.
@@ -204,9 +204,18 @@ impl Pure {
         Ok(PureCalled { results, called })
     }
 
-    /// The place of an operation of a trace.
+    /// The place of an operation of a trace: of what no text says, where the function is named.
     pub fn place_of(&self, step: &Step) -> Place {
-        self.program.place_of(step)
+        let place = self.program.place_of(step);
+        if place.shown.is_empty() { self.place() } else { place }
+    }
+
+    /// Where the function is named.
+    pub fn place(&self) -> Place {
+        let at = self.files.locate(self.name_span);
+        let shown = format!("{}:{}:{}", at.path, at.line, at.column);
+        let function = self.shown.split('(').next().unwrap_or_default().to_string();
+        Place { function, span: self.name_span, shown }
     }
 
     /// Where each scalar of each result came from, in the order of the results.
