@@ -313,3 +313,50 @@ void main() { colour = vec4(f(1.0)); }
     let inputs = report["inputs"].as_array().unwrap().iter().filter_map(|i| i["path"].as_str());
     assert_eq!(inputs.collect::<Vec<_>>(), ["Stage.uv", "Stage.w", "Bare.bare", "a"]);
 }
+
+#[test]
+fn an_input_that_main_leaves_alone_has_a_value_too() {
+    let text = "#version 330
+in vec3 v;
+in vec2 other;
+out vec4 colour;
+float late[][] = float[][](float[](v.x, 1.0, 5.0), float[](2.0, v.y, 6.0));
+float plain(float x) { return x * v.x; }
+float listed(float x) { return late[0][0] + late[1][1] * x; }
+void main() { colour = vec4(1.0); }
+";
+    let without = text
+        .replace("float late[][]", "//")
+        .replace("return late[0][0] + late[1][1]", "return v.x + v.y");
+    for (name, text) in [("alone.frag", without.as_str()), ("late.frag", text)] {
+        let path = shader(name, text);
+        for reader in ["cpu", "gl", "gpu"] {
+            for (function, expected) in [("plain", "8.0"), ("listed", "14.0")] {
+                let call = ["--fn", function, "--args", "[2]", "--input", "v=[4, 5, 6]"];
+                let text = ran(&path, &[&call[..], &["--reader", reader]].concat());
+                assert_eq!(row(&text, "result")[0], expected, "{name} {function} {reader}");
+            }
+        }
+    }
+    let path = shader("alone.frag", &without);
+    let said = refused(&path, &["--fn", "plain", "--args", "[2]", "--input", "w=[4, 5, 6]"]);
+    assert!(said.contains("it reads `v`"), "{said}");
+}
+
+#[test]
+fn values_of_push_constants_are_refused_by_opengl_and_read_by_the_others() {
+    let text = "#version 450
+layout(push_constant) uniform P { float pc; } q;
+layout(location = 0) out vec4 colour;
+float a(float x) { return q.pc * x + 1.0; }
+void main() { colour = vec4(a(1.0)); }
+";
+    let path = shader("pushed.frag", text);
+    let call = ["--fn", "a", "--args", "[3]", "--data", r#"{"P": {"pc": 2}}"#, "--reader"];
+    for reader in ["cpu", "gpu"] {
+        let text = ran(&path, &[&call[..], &[reader]].concat());
+        assert_eq!(row(&text, "result")[0], "7.0", "{reader}");
+    }
+    let said = refused(&path, &[&call[..], &["gl"]].concat());
+    assert!(said.contains("no push constants to give the values of `P` in"), "{said}");
+}

@@ -112,6 +112,58 @@ void main() {}
 }
 
 #[test]
+fn wide_numbers_stay_within_their_range() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("wide.frag");
+    let text = "#version 450
+uniform double wide; // in 0.5..0.75
+float f(float a) { return a / float(wide); }
+float g(uint n) { return 1.0 / float(n); }
+void main() {}
+";
+    std::fs::write(&path, text).unwrap();
+    let run = |arguments: &[&str]| {
+        let output =
+            stress(&path, &[arguments, &["--samples", "3000", "--format", "json"]].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        serde_json::from_slice::<Value>(&output.stdout).unwrap_or_else(|_| panic!("{said}"))
+    };
+    let report = run(&["--fn", "f", "--domain", r#"{"a": [1, 2]}"#]);
+    // Nothing divides by zero, and nothing comes to more than 4.
+    assert_eq!(report["findings"], serde_json::json!([]));
+    assert_eq!(report["total"]["infinite"], 0);
+    // The one number there is is no f32.
+    let report = run(&["--fn", "g", "--domain", r#"{"n": [4294967295, 4294967295]}"#]);
+    assert_eq!(
+        (&report["total"]["samples"], &report["all_inputs"]),
+        (&Value::from(1), &Value::from(1))
+    );
+}
+
+#[test]
+fn a_robust_form_is_given_what_blocks_hold() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("held.frag");
+    let text = "#version 450
+layout(std140, binding = 0) uniform B { float k; } b;
+float f(float x) { return b.k / x; }
+float r(float x) { return b.k / max(x, 1e-3); }
+void main() {}
+";
+    std::fs::write(&path, text).unwrap();
+    let form = format!("{}#r", path.display());
+    let given = ["--fn", "f", "--data", r#"{"B": {"k": 2}}"#, "--against", &form];
+    let output = stress(&path, &[&given[..], &["--samples", "2000", "--format", "json"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    let found = report["findings"].as_array().unwrap();
+    let zero = found.iter().find(|found| found["code"] == "division-by-zero");
+    assert_eq!(zero.expect("x is 0 once")["against"]["outcome"], "finite");
+}
+
+#[test]
 fn what_is_found_in_f16_is_repeated_in_f16() {
     let path = shader("half.frag");
     // 300 squared is past 65504.

@@ -108,6 +108,15 @@ pub struct EntryInterface {
     pub(super) variable: Handle<GlobalVariable>,
 }
 
+/// Which inputs of the stage a module has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Inputs {
+    /// Those that `main` reaches.
+    OfMain,
+    /// Those that any function reaches.
+    OfAny,
+}
+
 /// A function that is not in a module, as it does not run.
 #[derive(Clone, Debug)]
 pub struct LeftOut {
@@ -160,18 +169,24 @@ impl Module {
     /// # Errors
     /// What is wrong with the shader, or what in it cannot run, with its place.
     pub fn new(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| Module::made(source, options)?.validated())
+        on_a_large_stack(|| Module::made(source, options, Inputs::OfMain)?.validated())
+    }
+
+    /// The same for calls: its functions are called by themselves, with the inputs any of them
+    /// reads.
+    pub(super) fn for_calls(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+        on_a_large_stack(|| Module::made(source, options, Inputs::OfAny)?.validated())
     }
 
     /// The same without asking naga's validator: for who only reads it.
     pub(super) fn unchecked(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| Module::made(source, options))
+        on_a_large_stack(|| Module::made(source, options, Inputs::OfMain))
     }
 
-    fn made(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+    fn made(source: &Source, options: &Options, inputs: Inputs) -> Result<Module, Vec<Diagnostic>> {
         match source.language {
             Language::Glsl => {
-                let lowered = glsl::lower(source, options)?;
+                let lowered = glsl::lower(source, options, inputs)?;
                 Ok(Module {
                     info: ModuleInfo::default(),
                     ir: lowered.ir,

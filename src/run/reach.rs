@@ -55,12 +55,15 @@ pub(super) fn functions<'m>(module: &'m Module, first: &'m Function) -> Vec<&'m 
 
 /// The global variables that a function and those it calls name.
 pub(super) fn variables(module: &Module, first: &Function) -> FxHashSet<Handle<GlobalVariable>> {
-    let functions = functions(module, first).into_iter();
-    let named = |(_, expression): (_, &Expression)| match expression {
+    functions(module, first).into_iter().flat_map(named).collect()
+}
+
+/// The global variables that a function names by itself.
+pub(super) fn named(function: &Function) -> impl Iterator<Item = Handle<GlobalVariable>> {
+    function.expressions.iter().filter_map(|(_, expression)| match expression {
         Expression::GlobalVariable(variable) => Some(*variable),
         _ => None,
-    };
-    functions.flat_map(|function| function.expressions.iter().filter_map(named)).collect()
+    })
 }
 
 /// The global variable that a pointer is into.

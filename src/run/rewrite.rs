@@ -319,12 +319,11 @@ impl<'t> Rewriter<'t> {
             let name = one.to[at];
             waits = true;
             self.late_names.insert(name);
-            // An array that is not initialised has a size.
-            let sized = |words: &[&'t str]| match words.windows(2).any(|pair| pair == ["[", "]"]) {
-                true => self.joined(words).replacen("[ ]", &format!("[ {} ]", elements(value)), 1),
-                false => self.joined(words),
-            };
-            let (to, ty, dims) = (sized(one.to), sized(&ty), sized(&one.to[at + 1..]));
+            // An array that is not initialised has sizes: those of the name, then of the type.
+            let dims = &one.to[at + 1..];
+            let inner = dims.iter().filter(|word| **word == "[").count();
+            let before = self.sized(&one.to[..at], value, inner);
+            let (ty, dims) = (self.sized(&ty, value, inner), self.sized(dims, value, 0));
             let value = self.joined(value);
             self.late.push(match value.starts_with('{') {
                 // No expression, but for a variable that begins with it.
@@ -333,7 +332,9 @@ impl<'t> Rewriter<'t> {
                 }
                 false => format!("{name} = {value} ;"),
             });
-            list.push(to);
+            let declared = [before.as_str(), name, dims.as_str()];
+            let words = declared.into_iter().filter(|words| !words.is_empty());
+            list.push(words.collect::<Vec<_>>().join(" "));
         }
         if waits {
             let _ = writeln!(self.out, "{};", list.join(", "));
@@ -345,6 +346,28 @@ impl<'t> Rewriter<'t> {
     fn reads(&self, words: &[&str]) -> bool {
         let before = std::iter::once("").chain(words.iter().copied());
         before.zip(words).any(|(before, word)| before != "." && self.late_names.contains(word))
+    }
+
+    /// Words with the sizes that a value gives to dimensions that have none; the first of them is
+    /// of that level.
+    fn sized(&self, words: &[&'t str], value: &[&'t str], mut level: usize) -> String {
+        let mut sized = Vec::new();
+        let mut depth = 0u32;
+        for (at, word) in words.iter().enumerate() {
+            sized.push(self.joined(&[word]));
+            if *word == "[" && depth == 0 {
+                if words.get(at + 1) == Some(&"]") {
+                    sized.push(elements(value, level).to_string());
+                }
+                level += 1;
+            }
+            match *word {
+                "[" | "{" | "(" => depth += 1,
+                "]" | "}" | ")" => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+        }
+        sized.join(" ")
     }
 
     /// Words as they are to be written.
@@ -410,12 +433,16 @@ fn apart<'w, 't>(
     })
 }
 
-/// How many elements `float[](a, b)` and `{ a, b }` have.
-fn elements(value: &[&str]) -> usize {
+/// How many elements `float[](a, b)` and `{ a, b }` have; of a deeper level, their first.
+fn elements(value: &[&str], level: usize) -> usize {
     let opening = value.iter().position(|word| matches!(*word, "(" | "{")).unwrap_or(0);
     let inside = value.get(opening + 1..value.len().saturating_sub(1)).unwrap_or_default();
     // A comma may come last.
-    apart(inside, ",").filter(|element| !element.is_empty()).count()
+    let mut each = apart(inside, ",").filter(|element| !element.is_empty());
+    match level.checked_sub(1) {
+        None => each.count(),
+        Some(level) => each.next().map_or(0, |first| elements(first, level)),
+    }
 }
 
 #[cfg(test)]
@@ -451,6 +478,12 @@ mod tests {
         assert_eq!(text, "float a [ 2 ];\nfloat [ 1 ] b;");
         let own = "{ float [ 1 ] landfall_late  = { v . z , } ; b = landfall_late ; }";
         assert_eq!(late, ["a = float [ ] ( v . x , max ( v . y , 0.0 ) ) ;", own]);
+        // The sizes of the name come first, then those of the type: both are 3 of 2.
+        let value = "{ { v.x, 1.0 }, { v.y, 2.0 }, { v.z, 3.0 } }";
+        let (text, _) = made(&format!("float c[][] = {value};\nfloat[] d[] = {value};"));
+        assert_eq!(text, "float c [ 3 ] [ 2 ];\nfloat [ 2 ] d [ 3 ];");
+        let (text, _) = made(&format!("float e[3][] = {value}, f[][2] = {value};"));
+        assert_eq!(text, "float e [ 3 ] [ 2 ], f [ 3 ] [ 2 ];");
     }
 
     #[test]

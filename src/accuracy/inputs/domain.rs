@@ -142,9 +142,16 @@ impl Domain {
             let message = format!("`{}` is no vector: it cannot be `unit`", input.path);
             return Err(refused(message, "write a range: `[-1, 1]`"));
         }
-        self.within[at] = match input.is_float() || within == Within::Any {
-            true => within,
-            false => whole(within, input)?,
+        self.within[at] = match (input.scalar.kind, within) {
+            (_, Within::Any) => within,
+            (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => whole(within, input)?,
+            (
+                ScalarKind::Float
+                | ScalarKind::Bfloat
+                | ScalarKind::FloatE5m2
+                | ScalarKind::FloatE4m3,
+                _,
+            ) => held(within, input)?,
         };
         Ok(())
     }
@@ -205,7 +212,7 @@ impl Domain {
                 continue;
             }
             if !input.is_float() {
-                self.fit_integers(*within, sample, input);
+                fit_others(*within, sample, input, random);
                 continue;
             }
             if *within == Within::Unit {
@@ -226,17 +233,6 @@ impl Domain {
         self.apart.iter().all(|apart| is_apart(apart, sample, inputs))
     }
 
-    fn fit_integers(&self, within: Within, sample: &mut [u64], input: &Input) {
-        let (low, high) = within.bounds();
-        for at in input.range() {
-            let x = match input.scalar.kind {
-                ScalarKind::Sint => f64::from(sample[at] as u32 as i32),
-                _ => f64::from(sample[at] as u32),
-            };
-            sample[at] = u64::from(x.clamp(low, high) as i64 as u32);
-        }
-    }
-
     /// Whether a sample is in the domain as it is.
     pub fn holds(&self, sample: &[u64], inputs: &[Input]) -> bool {
         let each = self.within.iter().zip(inputs).all(|(within, input)| {
@@ -252,6 +248,37 @@ impl Domain {
             input.range().all(inside)
         });
         each && self.apart.iter().all(|apart| is_apart(apart, sample, inputs))
+    }
+}
+
+/// Moves what is no `f32` into a range; of whole numbers its ends are whole.
+fn fit_others(within: Within, sample: &mut [u64], input: &Input, random: &mut Random) {
+    let (low, high) = within.bounds();
+    for at in input.range() {
+        let word = sample[at];
+        // A cast of what is beyond the type gives its last number.
+        sample[at] = match (input.scalar.kind, input.scalar.width) {
+            (ScalarKind::Sint, 8) => (word as i64).clamp(low as i64, high as i64) as u64,
+            (ScalarKind::Sint, _) => {
+                let x = (word as u32 as i32).clamp(low as i32, high as i32);
+                u64::from(x as u32)
+            }
+            (ScalarKind::Uint, 8) => word.clamp(low as u64, high as u64),
+            (ScalarKind::Bool | ScalarKind::Uint, _) => {
+                u64::from((word as u32).clamp(low as u32, high as u32))
+            }
+            (
+                ScalarKind::Float
+                | ScalarKind::Bfloat
+                | ScalarKind::FloatE5m2
+                | ScalarKind::FloatE4m3,
+                _,
+            ) => {
+                let x = f64::from_bits(word);
+                let x = if x.is_nan() { random.between(low, high) } else { x };
+                x.clamp(low, high).to_bits()
+            }
+        };
     }
 }
 
@@ -352,13 +379,23 @@ pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<With
         let message = format!("`{path}`: the range from {least} to {most} is inverted");
         return Err(refused(message, format!("write `[{most}, {least}]`")));
     }
-    // Some f32 lies in it.
-    let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
-    if f64::from(up) > high || !low.is_finite() || !high.is_finite() {
-        let message = format!("`{path}`: no `f32` is from {least} to {most}: the range is empty");
-        return Err(refused(message, "widen it"));
+    if !low.is_finite() || !high.is_finite() {
+        let message = format!("`{path}`: the range from {least} to {most} has no end");
+        return Err(refused(message, "write two finite numbers"));
     }
     Ok(Within::Range(low, high))
+}
+
+/// A range that some `f32` lies in; of wider floats any does.
+fn held(within: Within, input: &Input) -> Result<Within, Refused> {
+    let (low, high) = within.bounds();
+    let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
+    if input.is_float() && f64::from(up) > high {
+        let (path, low, high) = (&input.path, short(low), short(high));
+        let message = format!("`{path}`: no `f32` is from {low} to {high}: the range is empty");
+        return Err(refused(message, "widen it"));
+    }
+    Ok(within)
 }
 
 /// A number in its fewest digits: `1`, `0.5`, `1e-320`.
@@ -369,10 +406,12 @@ fn short(x: f64) -> String {
 
 /// The whole numbers of an input's type that are within.
 fn whole(within: Within, input: &Input) -> Result<Within, Refused> {
-    let (least, most, name) = match input.scalar.kind {
-        ScalarKind::Sint => (f64::from(i32::MIN), f64::from(i32::MAX), "int"),
-        ScalarKind::Bool => (0.0, 1.0, "bool"),
-        _ => (0.0, f64::from(u32::MAX), "uint"),
+    let (least, most, name) = match (input.scalar.kind, input.scalar.width) {
+        (ScalarKind::Bool, _) => (0.0, 1.0, "bool"),
+        (ScalarKind::Sint, 8) => (i64::MIN as f64, i64::MAX as f64, "i64"),
+        (ScalarKind::Sint, _) => (f64::from(i32::MIN), f64::from(i32::MAX), "int"),
+        (_, 8) => (0.0, u64::MAX as f64, "u64"),
+        (_, _) => (0.0, f64::from(u32::MAX), "uint"),
     };
     let (low, high) = within.bounds();
     let (first, last) = (low.ceil().max(least), high.floor().min(most));

@@ -181,7 +181,7 @@ impl Seen {
                     self.keep(Why::Ulp, off.ulp, at, sample);
                     self.keep(Why::Steps, off.steps, at, sample);
                     let Outcome::Off(own, _) = theirs else { continue };
-                    let fine = own.steps < *steps && own.ulp < *ulp;
+                    let fine = own.steps <= *steps && own.ulp <= *ulp;
                     // A little more than what is just allowed is no other kind of error.
                     let far = off.steps > *steps && off.steps > 2.0 * own.steps
                         || off.ulp > *ulp && off.ulp > 2.0 * own.ulp;

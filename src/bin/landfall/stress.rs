@@ -8,6 +8,7 @@ use std::time::Instant;
 use landfall::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
 use landfall::emit::stress as print;
 use landfall::run::call::pure::PureRequest;
+use landfall::run::eval::Floats;
 use landfall::run::reader::Reader;
 use landfall::source::Files;
 use landfall::{Diagnostic, Error};
@@ -134,6 +135,12 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
         None => None,
         Some(text) => Some(data::file_or_value("--domain", text)?),
     };
+    let pure = PureRequest {
+        function: args.function.clone(),
+        data: data::blocks(args.data.as_deref())?,
+        textures: textures(&args.textures)?,
+        floats: args.floats.floats(),
+    };
     let against = match &args.against {
         None => None,
         Some(text) => {
@@ -142,17 +149,13 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
                 None => (text.as_str(), args.function.clone()),
             };
             let source = read::source(Path::new(file), &args.read)?;
-            Some((source, PureRequest { function: name, ..PureRequest::default() }))
+            let other = PureRequest { function: name, floats: Floats::AsWritten, ..pure.clone() };
+            Some((source, other))
         }
     };
     let half = Request::default().steps;
     Ok(Request {
-        pure: PureRequest {
-            function: args.function.clone(),
-            data: data::blocks(args.data.as_deref())?,
-            textures: textures(&args.textures)?,
-            floats: args.floats.floats(),
-        },
+        pure,
         against,
         domain,
         seed: args.seed,

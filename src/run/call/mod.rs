@@ -27,7 +27,7 @@ use super::bound::{self, Data};
 use super::eval::{
     Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, Words,
 };
-use super::module::{Direction, ModuleHandle};
+use super::module::{Direction, HandleKind, ModuleHandle};
 use super::reader::{Failure, Reader};
 use super::{Module, reach, verify};
 use crate::source::{Files, Source};
@@ -87,7 +87,7 @@ pub fn call(
     reader: Option<&mut dyn Reader>,
 ) -> Result<CallReport, Refusal> {
     let options = &Options { gather: true, naga: false, ..options.clone() };
-    let module = Module::new(source, options)
+    let module = Module::for_calls(source, options)
         .map_err(|found| Refusal { found, files: crate::layout(source, options).files })?;
     let refused =
         |found: Box<Diagnostic>| Refusal { found: vec![*found], files: module.files().clone() };
@@ -310,7 +310,11 @@ fn white<'h>(
     handles: impl IntoIterator<Item = &'h ModuleHandle>,
     textures: &[(String, [f32; 4])],
 ) -> Option<String> {
-    let paths = handles.into_iter().map(|handle| handle.path.as_str());
+    let handles = handles.into_iter().filter(|handle| match handle.kind {
+        HandleKind::Texture => true,
+        HandleKind::Sampler | HandleKind::Image => false,
+    });
+    let paths = handles.map(|handle| handle.path.as_str());
     let mut white: Vec<&str> =
         paths.filter(|path| bound::colour(textures, path).is_none()).collect();
     white.dedup();

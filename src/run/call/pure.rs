@@ -157,7 +157,7 @@ impl Pure {
         asks: Asks,
     ) -> Result<Pure, Box<Refusal>> {
         let options = &Options { gather: true, naga: false, ..options.clone() };
-        let module = Module::new(source, options).map_err(|found| {
+        let module = Module::for_calls(source, options).map_err(|found| {
             Box::new(Refusal { found, files: crate::layout(source, options).files })
         })?;
         let files = module.files().clone();

@@ -15,7 +15,7 @@ use super::place::{Index, Mem, Place};
 use super::types::{Kind, Ty};
 use super::{Lowerer, R, refuse};
 use crate::parse::glsl::lexer::Token;
-use crate::run::module::EntryInterface;
+use crate::run::module::{EntryInterface, Inputs};
 use crate::run::reach;
 use crate::source::{Runs, Span, Stage};
 
@@ -157,7 +157,12 @@ impl Lowerer<'_> {
             let reached = reach::variables(&self.ir, &self.ir.functions[main]);
             let position =
                 |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
-            inputs.retain(|slot| reached.contains(&self.io[slot.io].variable));
+            let all = self.ir.functions.iter();
+            let of_any: FxHashSet<_> = match self.wanted_inputs {
+                Inputs::OfMain => reached.clone(),
+                Inputs::OfAny => all.flat_map(|(_, function)| reach::named(function)).collect(),
+            };
+            inputs.retain(|slot| of_any.contains(&self.io[slot.io].variable));
             outputs.retain(|slot| {
                 let io = &self.io[slot.io];
                 reached.contains(&io.variable) || position(io)

@@ -42,7 +42,7 @@ use naga::Handle;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::module::{
-    Bases, Binder, EntryInterface, FunctionInfo, LeftOut, ModuleBlock, ModuleHandle,
+    Bases, Binder, EntryInterface, FunctionInfo, Inputs, LeftOut, ModuleBlock, ModuleHandle,
 };
 use crate::diagnostic::Diagnostic;
 use crate::parse::glsl::{Texts, tokens};
@@ -90,6 +90,7 @@ impl Help for Box<Diagnostic> {
 pub struct Lowerer<'a> {
     pub ir: naga::Module,
     pub stage: Option<Stage>,
+    wanted_inputs: Inputs,
     pub bases: Bases,
     /// Values of specialisation constants, by name or number.
     overrides: &'a [(String, String)],
@@ -132,7 +133,11 @@ pub struct Lowerer<'a> {
 }
 
 /// Lowers a GLSL shader.
-pub(super) fn lower(source: &Source, options: &Options) -> Result<Lowered, Vec<Diagnostic>> {
+pub(super) fn lower(
+    source: &Source,
+    options: &Options,
+    inputs: Inputs,
+) -> Result<Lowered, Vec<Diagnostic>> {
     let laid_out = layout(source, &Options { gather: true, naga: false, ..options.clone() });
     let errors = |all: Vec<Diagnostic>| -> Vec<Diagnostic> {
         all.into_iter().filter(|d| d.severity == Severity::Error).collect()
@@ -161,6 +166,7 @@ pub(super) fn lower(source: &Source, options: &Options) -> Result<Lowered, Vec<D
     let mut lowerer = Lowerer {
         ir: naga::Module::default(),
         stage,
+        wanted_inputs: inputs,
         bases: Bases::new(&stream.files),
         overrides: &options.read.overrides,
         layouts: laid_out.blocks,

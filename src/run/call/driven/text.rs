@@ -42,6 +42,14 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
         return Err(Failure::refused("OpenGL takes no WGSL", ""));
     }
     let source = &pure.source;
+    for block in pure.module.blocks() {
+        let pushed = block.layout.space == AddressSpace::PushConstant;
+        if pushed && bound::given(&pure.data, block).is_some() {
+            let name = &block.layout.name;
+            let message = format!("OpenGL has no push constants to give the values of `{name}` in");
+            return Err(Failure::refused(message, ""));
+        }
+    }
     let stage = stage(pure)?;
     let user = User::of(pure)?;
     let wanted = user.wanted(pure);
