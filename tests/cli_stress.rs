@@ -18,11 +18,22 @@ void main() { color = vec4(direction(vec3(1)), halved(nearly(1.0))); }
 ";
 
 fn shader(name: &str) -> PathBuf {
+    written(name, SHADER)
+}
+
+fn written(name: &str, text: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join(name);
-    std::fs::write(&path, SHADER).unwrap();
+    std::fs::write(&path, text).unwrap();
     path
+}
+
+/// What a shell makes of a command line that was printed.
+fn repeated(line: &str) -> Output {
+    let binary = Path::new(env!("CARGO_BIN_EXE_landfall")).parent().unwrap();
+    let paths = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
+    Command::new("sh").args(["-c", line]).env("PATH", paths).output().unwrap()
 }
 
 fn stress(path: &Path, arguments: &[&str]) -> Output {
@@ -87,14 +98,11 @@ fn options_that_mean_nothing_are_refused() {
 
 #[test]
 fn whole_numbers_stay_within_their_range_and_their_type() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("whole.frag");
     let text = "#version 450
 float f(int a, uint b) { return 1.0 / float(a) + 1.0 / float(b); }
 void main() {}
 ";
-    std::fs::write(&path, text).unwrap();
+    let path = written("whole.frag", text);
     let run = |domain: &str| stress(&path, &["--fn", "f", "--format", "json", "--domain", domain]);
     // Of all that is tried none divides by zero.
     let output = run(r#"{"a": [-3.5, -0.5], "b": [0.5, 4e10]}"#);
@@ -113,16 +121,13 @@ void main() {}
 
 #[test]
 fn wide_numbers_stay_within_their_range() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("wide.frag");
     let text = "#version 450
 uniform double wide; // in 0.5..0.75
 float f(float a) { return a / float(wide); }
 float g(uint n) { return 1.0 / float(n); }
 void main() {}
 ";
-    std::fs::write(&path, text).unwrap();
+    let path = written("wide.frag", text);
     let run = |arguments: &[&str]| {
         let output =
             stress(&path, &[arguments, &["--samples", "3000", "--format", "json"]].concat());
@@ -143,16 +148,13 @@ void main() {}
 
 #[test]
 fn a_robust_form_is_given_what_blocks_hold() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("held.frag");
     let text = "#version 450
 layout(std140, binding = 0) uniform B { float k; } b;
 float f(float x) { return b.k / x; }
-float r(float x) { return b.k / max(x, 1e-3); }
+float r(float x) { return max(x, 1e-3) / b.k; }
 void main() {}
 ";
-    std::fs::write(&path, text).unwrap();
+    let path = written("held.frag", text);
     let form = format!("{}#r", path.display());
     let given = ["--fn", "f", "--data", r#"{"B": {"k": 2}}"#, "--against", &form];
     let output = stress(&path, &[&given[..], &["--samples", "2000", "--format", "json"]].concat());
@@ -160,6 +162,7 @@ void main() {}
     let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
     let found = report["findings"].as_array().unwrap();
     let zero = found.iter().find(|found| found["code"] == "division-by-zero");
+    // Divided by 2, and not by 0.
     assert_eq!(zero.expect("x is 0 once")["against"]["outcome"], "finite");
 }
 
@@ -174,20 +177,15 @@ fn what_is_found_in_f16_is_repeated_in_f16() {
     let found = found.iter().find(|found| found["outcome"] == "infinite");
     let line = found.expect("it overflows")["case"]["command"].as_str().unwrap();
     assert!(line.contains(" --half"), "{line}");
-    let binary = Path::new(env!("CARGO_BIN_EXE_landfall")).parent().unwrap();
-    let paths = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
-    let again = Command::new("sh").args(["-c", line]).env("PATH", paths).output().unwrap();
+    let again = repeated(line);
     let text = String::from_utf8(again.stdout).unwrap();
     assert!(text.contains("result  inf"), "{line}:\n{text}");
 }
 
 #[test]
 fn what_no_text_says_is_found_where_the_function_is_named() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("given.frag");
     let text = "#version 450\nfloat given(float x) { return x; }\nvoid main() {}\n";
-    std::fs::write(&path, text).unwrap();
+    let path = written("given.frag", text);
     // What is given is rounded before the function begins.
     let few = ["--fn", "given", "--half", "--samples", "2000", "--format", "json"];
     let report: Value = serde_json::from_slice(&stress(&path, &few).stdout).unwrap();
@@ -213,9 +211,7 @@ fn what_is_found_is_repeated_by_the_command_beside_it() {
     let zero = zero.unwrap_or_else(|| panic!("{found:#?}"));
     assert_eq!(zero["line"], 5, "the line of `normalize`");
     let line = zero["case"]["command"].as_str().unwrap();
-    let binary = Path::new(env!("CARGO_BIN_EXE_landfall")).parent().unwrap();
-    let paths = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
-    let again = Command::new("sh").args(["-c", line]).env("PATH", paths).output().unwrap();
+    let again = repeated(line);
     let (text, said) = (String::from_utf8(again.stdout), String::from_utf8(again.stderr));
     let (text, said) = (text.unwrap(), said.unwrap());
     assert!(text.contains("result.x  nan  nan"), "{line}:\n{text}");
@@ -251,10 +247,8 @@ fn a_command_has_the_macros_textures_folders_and_stage_the_function_was_read_wit
     let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
     let case = &report["worst"][0]["case"];
     let line = case["command"].as_str().expect("some sample is rounded");
-    let binary = Path::new(env!("CARGO_BIN_EXE_landfall")).parent().unwrap();
-    let paths = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
     let line = format!("{line} --format json");
-    let again = Command::new("sh").args(["-c", &line]).env("PATH", paths).output().unwrap();
+    let again = repeated(&line);
     let said = String::from_utf8_lossy(&again.stderr);
     let again: Value =
         serde_json::from_slice(&again.stdout).unwrap_or_else(|_| panic!("{line}: {said}"));
@@ -281,9 +275,6 @@ fn a_time_no_clock_reaches_is_refused_in_words() {
 
 #[test]
 fn a_robust_form_reads_what_the_function_reads_or_is_refused() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_stress");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("against.frag");
     let text = "#version 450
 layout(binding = 0) uniform Block { float k; float m; } u;
 float f(float x) { return normalize(vec2(x * u.k)).x; }
@@ -291,7 +282,7 @@ float g(float x) { return normalize(vec2(x * u.k)).x * (u.m / u.m); }
 float h(float x, float more) { return x * u.k + more; }
 void main() {}
 ";
-    std::fs::write(&path, text).unwrap();
+    let path = written("against.frag", text);
     let few = ["--fn", "f", "--samples", "3000", "--format", "json", "--domain"];
     let domain = r#"{"m": [1, 2]}"#.replace("\"m\"", "\"u.m\"");
     let against = |name: &str| {

@@ -37,7 +37,7 @@ pub struct Pure {
     /// Its name with the types of its parameters.
     pub shown: String,
     /// Its name in the text.
-    pub name_span: TextSpan,
+    pub(super) name_span: TextSpan,
     /// What it reads.
     pub parameters: Vec<PureParameter>,
     /// What it gives.
