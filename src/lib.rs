@@ -1,119 +1,14 @@
 #![doc = include_str!("../README.md")]
 
-pub mod accuracy;
-pub mod buffer;
-pub mod build_script;
-pub mod diagnostic;
-pub mod diff;
-pub mod emit;
-pub mod error;
-pub mod file;
-pub mod layout;
-pub mod light;
-pub mod lint;
-pub mod lock;
-pub mod parse;
-pub mod picture;
-pub mod port;
-pub mod run;
-pub mod shape;
-pub mod source;
+pub use landfall_layout::{
+    AddressSpace, ArrayLen, BlockLayout, Buffer, BufferError, Build, BuildError, Diagnostic, Error,
+    Files, Label, Language, Leaf, MemberLayout, Options, ReadOptions, Rules, Severity,
+    ShaderLayout, Source, Span, Stage, Target, Type, layout,
+};
+pub use landfall_layout::{
+    buffer, build_script, codegen, diagnostic, diff, error, file, format, lock, port, shape, source,
+};
 
-pub use buffer::{Buffer, BufferError};
-pub use build_script::{Build, BuildError};
-pub use diagnostic::{Diagnostic, Label, Severity};
-pub use error::Error;
-pub use layout::{BlockLayout, Leaf, MemberLayout};
-pub use shape::{AddressSpace, ArrayLen, Rules, Type};
-pub use source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
-
-use shape::Override;
-
-/// How a shader is laid out.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// How its text is read.
-    pub read: ReadOptions,
-    /// Lay every block out by these rules instead of its own.
-    pub rules: Option<Rules>,
-    /// Gather loose uniforms into one std140 block named `DefaultBlock`.
-    pub gather: bool,
-    /// Ask naga too, and note on each leaf where its answer differs.
-    pub naga: bool,
-}
-
-/// The layouts of one shader, and all there is to say about it.
-#[derive(Clone, Debug)]
-pub struct ShaderLayout {
-    /// The path as messages print it.
-    pub path: String,
-    /// The language it is written in.
-    pub language: Language,
-    /// The stage it is written for, where known.
-    pub stage: Option<Stage>,
-    /// Its blocks in the order of the text; loose uniforms come last.
-    pub blocks: Vec<BlockLayout>,
-    /// Specialisation constants and overrides that sizes depend on.
-    pub overrides: Vec<Override>,
-    /// The files it is made of: itself, then its includes.
-    pub files: Files,
-    /// Errors and warnings in the order they were found.
-    pub diagnostics: Vec<Diagnostic>,
-}
-
-impl ShaderLayout {
-    /// Whether any finding is an error: then some block may be missing.
-    pub fn has_errors(&self) -> bool {
-        self.diagnostics.iter().any(|d| d.severity == Severity::Error)
-    }
-}
-
-/// Lays out every block of a shader.
-pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
-    let parsed = parse::parse(source, &options.read, options.gather);
-    let mut diagnostics = parsed.diagnostics;
-    let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
-    for mut block in parsed.shape.blocks {
-        if source.language == Language::Wgsl {
-            let found = layout::attributes::check(&block);
-            if !found.is_empty() {
-                extend_once(&mut diagnostics, found);
-                continue;
-            }
-        }
-        if let Some(rules) = options.rules {
-            block.rules = rules;
-            block.rules_declared = true;
-        }
-        match layout::lay_out(&block) {
-            Ok(layout) => {
-                extend_once(&mut diagnostics, layout::uniform_constraints::check(&block));
-                diagnostics.extend(layout::untold_order(&block, &layout));
-                blocks.push(layout);
-            }
-            Err(mut found) => diagnostics.append(&mut found),
-        }
-    }
-    // naga is not asked about a text that is refused here: it panics on some of those.
-    if options.naga && !diagnostics.iter().any(|d| d.severity == Severity::Error) {
-        parse::naga::ask(source, &parsed.bodies, &mut blocks);
-    }
-    ShaderLayout {
-        path: source.path.clone(),
-        language: source.language,
-        stage: source.stage,
-        blocks,
-        overrides: parsed.shape.overrides,
-        files: parsed.files,
-        diagnostics,
-    }
-}
-
-/// Two blocks of one structure have the same things said about it.
-fn extend_once(diagnostics: &mut Vec<Diagnostic>, found: Vec<Diagnostic>) {
-    for diagnostic in found {
-        if !diagnostics.contains(&diagnostic) {
-            diagnostics.push(diagnostic);
-        }
-    }
-}
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod report;

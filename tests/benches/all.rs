@@ -19,11 +19,11 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use encase::{ShaderType, UniformBuffer};
-use landfall::accuracy::bench::clock::Start;
-use landfall::run::eval::{Cpu, Settings};
-use landfall::run::gpu::{Choice, Gpu};
-use landfall::run::reader::{Job, Reader};
-use landfall::{Buffer, Language, Options, Source, Stage, layout};
+use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::{Job, Reader};
+use landfall_exec::interp::{Cpu, Settings};
+use landfall_layout::{Buffer, Language, Options, Source, Stage, layout};
+use landfall_light::accuracy::bench::clock::Start;
 use measure::{Contest, Ratios, contest, interleaved, round};
 
 const LANDFALL: &str = env!("CARGO_BIN_EXE_landfall");

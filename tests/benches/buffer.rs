@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
 
-use landfall::{Buffer, Options, Source, layout};
+use landfall_layout::{Buffer, Options, Source, layout};
 use measure::{Contest, Ratios, contest};
 
 mod measure;

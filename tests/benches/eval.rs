@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use landfall::run::eval::{Cpu, Precision, Settings};
-use landfall::run::reader::{Answer, Job, Reader};
+use landfall_exec::backend::{Answer, Job, Reader};
+use landfall_exec::interp::{Cpu, Precision, Settings};
 
 mod measure;
 mod scene;

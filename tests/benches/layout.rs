@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use landfall::{Language, Options, Source, Stage, layout, source::kind_of_path};
+use landfall_layout::source::kind_of_path;
+use landfall_layout::{Language, Options, Source, Stage, layout};
 use measure::{geometric_mean, interleaved, median, round, seconds};
 
 const LANDFALL: &str = env!("CARGO_BIN_EXE_landfall");

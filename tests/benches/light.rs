@@ -7,14 +7,15 @@
 use std::hint::black_box;
 
 use glam::Vec3;
-use landfall::Buffer;
-use landfall::light::compiled::{
+use landfall_layout::Buffer;
+use landfall_light::compiled::{
     Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
 };
-use landfall::light::reference;
-use landfall::light::sample::texels;
-use landfall::light::skip::{self, Choice, Options, Plan};
-use landfall::light::{Frame, FrameOptions, Upload, scene};
+use landfall_light::reference;
+use landfall_light::sample::texels;
+use landfall_light::skip;
+use landfall_light::skip::{Choice, Options, Plan};
+use landfall_light::{Frame, FrameOptions, Upload, scene};
 use measure::{median, round};
 
 mod measure;
@@ -217,8 +218,9 @@ fn uploads() {
         struct PointLight { vec3 pos; vec3 color; float intensity; float constant; float linear; float quadratic; };
         layout(std140) uniform PointLightBlock { PointLight data[128]; int actually_used_count; } lights;
     ";
-    let source = landfall::Source::new("lights.frag", LIGHTS);
-    let block = landfall::layout(&source, &landfall::Options::default()).blocks.remove(0);
+    let source = landfall_layout::Source::new("lights.frag", LIGHTS);
+    let block =
+        landfall_layout::layout(&source, &landfall_layout::Options::default()).blocks.remove(0);
     let mut buffer = Buffer::new(&block).expect("a fixed size");
     let mut staging = vec![0u8; buffer.bytes().len()];
     println!("\nuploads of a block of {} bytes, staged by copying", staging.len());
@@ -268,7 +270,7 @@ fn load(name: &str, seed: Option<u64>) -> Lit {
     let folder = format!("{}/shaders/scenes/", env!("CARGO_MANIFEST_DIR"));
     let open = |name: &str| {
         std::fs::read(format!("{folder}{name}"))
-            .map_err(|e| landfall::Error::new(name, e.to_string()))
+            .map_err(|e| landfall_layout::Error::new(name, e.to_string()))
     };
     let reading = scene::read(&path, &text, &open);
     let scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));

@@ -7,12 +7,12 @@
 use std::hint::black_box;
 use std::process::{Child, Command, ExitCode};
 
-use landfall::accuracy::bench::clock::{Clock, Took};
-use landfall::accuracy::bench::{
+use landfall::report::bench::text;
+use landfall_layout::format::Paint;
+use landfall_light::accuracy::bench::clock::{Clock, Took};
+use landfall_light::accuracy::bench::{
     Bench, BenchRow, Errors, Machine, Part, Rounds, Runner, Size, Unit, Work, Workload, measure,
 };
-use landfall::emit::Paint;
-use landfall::emit::bench::text;
 
 /// Name, multiplications, and error: the second is beaten by the first, the last is exact.
 const VARIANTS: [(&str, u32, f64); 4] = [

@@ -13,12 +13,12 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use landfall::Source;
-use landfall::run::eval::{Cpu, Settings};
-use landfall::run::gl::Gl;
-use landfall::run::gpu::{Choice, Gpu};
-use landfall::run::reader::{Answer, Device, Failure, Job, Reader};
-use landfall::run::verify::{Outcome, Subject, VerifyOptions, verify};
+use landfall_exec::backend::gl::Gl;
+use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::{Answer, Device, Failure, Job, Reader};
+use landfall_exec::harness::verify::{Outcome, Subject, VerifyOptions, verify};
+use landfall_exec::interp::{Cpu, Settings};
+use landfall_layout::Source;
 use measure::{interleaved, median, round, seconds};
 
 const LANDFALL: &str = env!("CARGO_BIN_EXE_landfall");

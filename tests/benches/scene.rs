@@ -4,11 +4,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use landfall::buffer::Buffer;
-use landfall::run::Module;
-use landfall::run::reader::{Grid, Job, Resource, ResourceKind, StageCode, Texel};
-use landfall::source::{Source, Stage};
-use landfall::{Options, layout};
+use landfall_exec::backend::{Grid, Job, Resource, ResourceKind, StageCode, Texel};
+use landfall_ir::Module;
+use landfall_layout::buffer::Buffer;
+use landfall_layout::source::{Source, Stage};
+use landfall_layout::{Options, layout};
 
 fn source() -> Source {
     Source::new("phong.wgsl", include_str!("phong.wgsl"))

@@ -5,9 +5,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use landfall::Stage;
-use landfall::run::Module;
-use landfall::run::reader::{Grid, Job, Resource, ResourceKind, StageCode};
+use landfall_exec::backend::{Grid, Job, Resource, ResourceKind, StageCode};
+use landfall_ir::Module;
+use landfall_layout::Stage;
 
 pub fn glsl(stage: Stage, text: &str) -> StageCode {
     let entry = "main".to_string();

@@ -19,12 +19,16 @@ pub mod fold;
 pub mod generate;
 pub mod gl_types;
 pub mod glslang;
+pub mod jobs;
 pub mod known;
 pub mod landfall;
 pub mod leaf;
 pub mod naga_wgsl;
 pub mod pairs;
 pub mod picture;
+#[cfg(feature = "full")]
+pub mod readers;
 pub mod run;
+pub mod rustc;
 pub mod spirv;
 pub mod wgsl;

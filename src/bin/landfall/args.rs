@@ -1,34 +1,50 @@
 //! What may be written on the command line. Nothing here acts.
 
+#[cfg(feature = "exec")]
 mod bench;
 mod check;
 mod codec;
+#[cfg(feature = "exec")]
 mod floats;
 mod levels;
 mod lights;
 mod lock;
+#[cfg(not(feature = "exec"))]
+mod missing;
 mod read;
+#[cfg(feature = "exec")]
 mod render;
+#[cfg(feature = "exec")]
 mod run;
+#[cfg(feature = "exec")]
 mod stress;
+#[cfg(feature = "exec")]
 mod verify;
 
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use landfall::emit;
-use landfall::emit::rust::Vectors;
+use landfall_layout::codegen::rust::Vectors;
+use landfall_layout::format as emit;
 
+#[cfg(feature = "exec")]
 pub use bench::{BenchArgs, BenchFormat};
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+#[cfg(feature = "exec")]
 pub use floats::FloatsArgs;
 pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
+#[cfg(not(feature = "exec"))]
+pub use missing::{BenchArgs, DevicesArgs, RenderArgs, RunArgs, StressArgs, VerifyArgs};
 pub use read::{Api, ReadArgs, TextArgs, define, setting};
+#[cfg(feature = "exec")]
 pub use render::{RenderArgs, RenderFormat, TransferName};
+#[cfg(feature = "exec")]
 pub use run::{RunArgs, RunFormat};
+#[cfg(feature = "exec")]
 pub use stress::{StressArgs, StressFormat};
+#[cfg(feature = "exec")]
 pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
 
 /// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
@@ -254,6 +270,7 @@ pub enum PortTo {
     Wgsl,
 }
 
+#[cfg(feature = "exec")]
 #[derive(Debug, clap::Args)]
 pub struct DevicesArgs {
     /// Form of the output
@@ -261,6 +278,7 @@ pub struct DevicesArgs {
     pub format: DevicesFormat,
 }
 
+#[cfg(feature = "exec")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DevicesFormat {
     /// Columns for the eye

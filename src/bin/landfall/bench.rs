@@ -7,17 +7,17 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use landfall::accuracy::bench::clock::Clock;
-use landfall::accuracy::bench::shader::Shared;
-use landfall::accuracy::bench::{
+use landfall::report::bench as print;
+use landfall_exec::interp::Floats;
+use landfall_layout::source::Files;
+use landfall_layout::{Error, Source};
+use landfall_light::accuracy::bench::clock::Clock;
+use landfall_light::accuracy::bench::shader::Shared;
+use landfall_light::accuracy::bench::{
     Bench, BenchRow, Errors, Failed, Machine, Permitted, Rounds, Runner, Size, Unit, Work,
     Workload, drawing, measure,
 };
-use landfall::accuracy::plot::scatter;
-use landfall::emit::bench as print;
-use landfall::run::eval::Floats;
-use landfall::source::Files;
-use landfall::{Error, Source};
+use landfall_light::accuracy::plot::scatter;
 
 use crate::args::{BenchArgs, BenchFormat, ReadArgs, ReaderName};
 use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
@@ -42,7 +42,7 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Err(Failure::BrokenPipe) => return Err(Failure::BrokenPipe),
     };
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {
-        landfall::file::write_whole(path, scatter(&drawing(&bench)))?;
+        landfall_layout::file::write_whole(path, scatter(&drawing(&bench)))?;
     }
     streams.product(&match args.format {
         BenchFormat::Human => print::text(&bench, streams.paint),

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use landfall::Error;
-use landfall::buffer::read_json;
-use landfall::run::bound::Data;
+use landfall_exec::harness::bindings::Data;
+use landfall_layout::Error;
+use landfall_layout::buffer::read_json;
 use serde_json::Value;
 
 use crate::read;

@@ -1,10 +1,10 @@
 //! `landfall decode`: the bytes of a block as a table or JSON, and what looks wrong in them.
 
-use landfall::buffer::{BufferError, Decoded, decode};
-use landfall::emit::diagnostics::MOST_SHOWN;
-use landfall::emit::values;
-use landfall::source::Files;
-use landfall::{ArrayLen, BlockLayout, Diagnostic, Severity};
+use landfall_layout::buffer::{BufferError, Decoded, decode};
+use landfall_layout::format::diagnostics::MOST_SHOWN;
+use landfall_layout::format::values;
+use landfall_layout::source::Files;
+use landfall_layout::{ArrayLen, BlockLayout, Diagnostic, Severity};
 
 use crate::args::{DecodeArgs, DecodeFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams};

@@ -1,8 +1,8 @@
 //! `landfall devices`: what can run a shader here. Each driver is opened in a process of
 //! its own, so one that crashes is a line of the table and not the end of it.
 
-use landfall::emit::devices::{json, table};
-use landfall::run::devices::{Found, cpu};
+use landfall::report::devices::{json, table};
+use landfall_exec::backend::devices::{Found, cpu};
 
 use crate::args::{DevicesArgs, DevicesFormat};
 use crate::output::{Failure, Outcome, Streams};
@@ -19,8 +19,8 @@ pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
 fn drivers() -> Vec<Found> {
-    use landfall::run::reader::Failure;
-    use landfall::run::remote::{Behind, Launch, list};
+    use landfall_exec::backend::Failure;
+    use landfall_exec::backend::subprocess::{Behind, Launch, list};
 
     let ask = |(reader, behind): (&'static str, Behind)| {
         let found = match std::env::current_exe() {

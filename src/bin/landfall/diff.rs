@@ -6,10 +6,10 @@ mod side;
 
 use std::path::{Path, PathBuf};
 
-use landfall::diff::{BlockDiff, Class, Side as Blocks, diff, verdict};
-use landfall::emit::diff::{Compared, Width, human, json, markdown, summary};
-use landfall::file::write_whole;
-use landfall::{Error, ShaderLayout, lock};
+use landfall_layout::diff::{BlockDiff, Class, Side as Blocks, diff, verdict};
+use landfall_layout::file::write_whole;
+use landfall_layout::format::diff::{Compared, Width, human, json, markdown, summary};
+use landfall_layout::{Error, ShaderLayout, lock};
 
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config;

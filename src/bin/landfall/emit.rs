@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use landfall::emit::c::{COptions, c};
-use landfall::emit::rust::{RustOptions, Tables, Vectors, Visibility, rust};
-use landfall::file::write_whole;
-use landfall::source::Files;
-use landfall::{Diagnostic, Error, ShaderLayout};
+use landfall_layout::codegen::c::{COptions, c};
+use landfall_layout::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
+use landfall_layout::file::write_whole;
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, ShaderLayout};
 
 use crate::args::{EmitArgs, EmitLang};
 use crate::inputs::Inputs;
@@ -24,7 +24,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let source = input.and_then(|input| read::source(&input.path, &args.read));
         match source {
             Ok(source) => {
-                let shader = landfall::layout(&source, &read::options(&args.read));
+                let shader = landfall_layout::layout(&source, &read::options(&args.read));
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
                 shaders.push(shader);
@@ -42,7 +42,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     for found in &refused {
         let shader = shaders.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
         report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
-        failed |= found.severity == landfall::Severity::Error;
+        failed |= found.severity == landfall_layout::Severity::Error;
     }
     let outcome = match (&args.out, args.check) {
         (Some(out), true) => check(out, &text, streams),

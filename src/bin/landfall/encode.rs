@@ -3,11 +3,11 @@
 use std::ops::Range;
 use std::path::Path;
 
-use landfall::buffer::{EncodeError, encode, read_json};
-use landfall::emit::{Paint, hex};
-use landfall::file::write_whole;
-use landfall::source::Files;
-use landfall::{BlockLayout, Diagnostic, Error, Label, Span};
+use landfall_layout::buffer::{EncodeError, encode, read_json};
+use landfall_layout::file::write_whole;
+use landfall_layout::format::{Paint, hex};
+use landfall_layout::source::Files;
+use landfall_layout::{BlockLayout, Diagnostic, Error, Label, Span};
 
 use crate::args::EncodeArgs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
@@ -53,7 +53,7 @@ fn write(
         (Some(path), true) => {
             let mut text = Vec::new();
             hex::dump(block, bytes, Paint::Plain, &mut text).map_err(|cause| {
-                let reason = landfall::file::reason(&cause);
+                let reason = landfall_layout::file::reason(&cause);
                 Error::new(path.display().to_string(), format!("cannot be written: {reason}"))
             })?;
             Ok(write_whole(path, text)?)

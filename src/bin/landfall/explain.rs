@@ -1,10 +1,10 @@
 //! `landfall explain`: the way to a path, or the owner of a byte, in every block that has it.
 
-use landfall::emit::explain::{Answer, json, text};
-use landfall::layout::byte::{ByteOwner, owner_of_byte};
-use landfall::layout::explain::explain;
-use landfall::layout::path::{PathError, PathErrorKind};
-use landfall::{BlockLayout, Diagnostic, ShaderLayout};
+use landfall_layout::format::explain::{Answer, json, text};
+use landfall_layout::layout::byte::{ByteOwner, owner_of_byte};
+use landfall_layout::layout::explain::explain;
+use landfall_layout::layout::path::{PathError, PathErrorKind};
+use landfall_layout::{BlockLayout, Diagnostic, ShaderLayout};
 
 use crate::args::{self, ExplainArgs, ExplainFormat};
 use crate::layout::is_named;

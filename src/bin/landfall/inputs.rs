@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 
 use globset::{GlobBuilder, GlobMatcher};
 use ignore::{Walk, WalkBuilder};
-use landfall::{Error, source};
+use landfall_layout::{Error, source};
 
 use crate::read::is_stdin;
 

@@ -5,9 +5,10 @@ mod writer;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use landfall::emit::{self, EmitOptions, Format, Paint};
-use landfall::source::Files;
-use landfall::{BlockLayout, Diagnostic, Error, Options, ShaderLayout};
+use landfall_layout::format as emit;
+use landfall_layout::format::{EmitOptions, Format, Paint};
+use landfall_layout::source::Files;
+use landfall_layout::{BlockLayout, Diagnostic, Error, Options, ShaderLayout};
 
 use crate::args::LayoutArgs;
 use crate::inputs::{Input, Inputs};
@@ -91,7 +92,7 @@ impl Job<'_> {
             Err(error) => return self.failed(input.path, error.into()),
         };
         let path = input.path.clone();
-        let work = || self.laid_out(input, landfall::layout(&source, &self.options));
+        let work = || self.laid_out(input, landfall_layout::layout(&source, &self.options));
         match catch_unwind(AssertUnwindSafe(work)) {
             Ok(done) => done,
             Err(_) => {

@@ -2,10 +2,10 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use landfall::emit::lights as print;
-use landfall::light::cost::{Report, cost};
-use landfall::source::Files;
-use landfall::{Diagnostic, ShaderLayout, layout};
+use landfall::report::lights as print;
+use landfall::report::lights::cost::{Report, cost};
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, ShaderLayout, layout};
 
 use crate::args::{LightsArgs, LightsFormat};
 use crate::inputs::Inputs;

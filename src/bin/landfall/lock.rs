@@ -5,9 +5,9 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use landfall::file::{reason, write_whole};
-use landfall::source::{Files, kind_of_path};
-use landfall::{Diagnostic, Error, Options, Severity, lock};
+use landfall_layout::file::{reason, write_whole};
+use landfall_layout::source::{Files, kind_of_path};
+use landfall_layout::{Diagnostic, Error, Options, Severity, lock};
 
 use crate::args::LockArgs;
 use crate::config::{self, Config, slashes};
@@ -94,7 +94,7 @@ impl Job<'_> {
             Ok(source) => source,
             Err(error) => return failed(Some(target), error.into()),
         };
-        let laid_out = AssertUnwindSafe(|| landfall::layout(&source, &self.options));
+        let laid_out = AssertUnwindSafe(|| landfall_layout::layout(&source, &self.options));
         let Ok(shader) = catch_unwind(laid_out) else {
             let found = panicked(&input.path);
             return failed(Some(target), found);

@@ -5,34 +5,45 @@
 //! Products go to stdout, findings to stderr.
 
 mod args;
+#[cfg(feature = "exec")]
 mod bench;
 mod check;
 mod config;
+#[cfg(feature = "exec")]
 mod data;
 mod decode;
+#[cfg(feature = "exec")]
 mod devices;
 mod diff;
 mod emit;
 mod encode;
 mod explain;
 mod inputs;
+#[cfg(feature = "exec")]
 mod interrupt;
 mod layout;
 mod lights;
 mod lock;
 mod merge;
+#[cfg(not(feature = "exec"))]
+mod missing;
 mod output;
 mod port;
 mod read;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 mod reader;
+#[cfg(feature = "exec")]
 mod readers;
+#[cfg(feature = "exec")]
 mod render;
 mod rule;
+#[cfg(feature = "exec")]
 mod run;
 mod schema;
 mod shader;
+#[cfg(feature = "exec")]
 mod stress;
+#[cfg(feature = "exec")]
 mod verify;
 mod work;
 
@@ -52,12 +63,25 @@ fn main() -> ExitCode {
         Command::Port(args) => port::run(args, &streams),
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
+        #[cfg(feature = "exec")]
         Command::Verify(args) => verify::run(args, &streams),
+        #[cfg(feature = "exec")]
         Command::Run(args) => run::run(args, &streams),
+        #[cfg(feature = "exec")]
         Command::Stress(args) => stress::run(args, &streams),
+        #[cfg(feature = "exec")]
         Command::Render(args) => render::run(args, &streams),
+        #[cfg(feature = "exec")]
         Command::Bench(args) => bench::run(args, &streams),
+        #[cfg(not(feature = "exec"))]
+        Command::Verify(_)
+        | Command::Run(_)
+        | Command::Stress(_)
+        | Command::Render(_)
+        | Command::Bench(_)
+        | Command::Devices(_) => missing::run(&args.command),
         Command::Lights(args) => lights::run(args, &streams),
+        #[cfg(feature = "exec")]
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),

@@ -5,10 +5,11 @@ use std::io::{self, BufWriter, IsTerminal, Write};
 use std::process::ExitCode;
 
 use anstream::{AutoStream, ColorChoice};
-use landfall::emit::{self, Paint};
-use landfall::error::ErrorKind;
-use landfall::source::Files;
-use landfall::{Diagnostic, Error, Severity};
+use landfall_layout::error::ErrorKind;
+use landfall_layout::format as emit;
+use landfall_layout::format::Paint;
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, Severity};
 
 use crate::args::Color;
 
@@ -228,6 +229,6 @@ fn stdout_failure(cause: &io::Error) -> Failure {
     }
     Failure::Error(Error::new(
         "<stdout>",
-        format!("cannot be written: {}", landfall::file::reason(cause)),
+        format!("cannot be written: {}", landfall_layout::file::reason(cause)),
     ))
 }

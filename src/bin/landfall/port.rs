@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use landfall::file::write_whole;
-use landfall::port::{Dialect, PortOptions, Ported, port};
-use landfall::source::Files;
-use landfall::{Diagnostic, Source};
+use landfall_layout::file::write_whole;
+use landfall_layout::port::{Dialect, PortOptions, Ported, port};
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Source};
 
 use crate::args::{PortArgs, PortTo};
 use crate::output::{Failure, FindingForm, Outcome, Streams};

@@ -4,7 +4,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use landfall::{Error, Language, Options, ReadOptions, Rules, Source, source};
+use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, source};
 
 use crate::args::{Api, ReadArgs};
 
@@ -68,7 +68,7 @@ pub fn shown(path: &Path) -> String {
 /// Reads a file that is no shader.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     let failed = |cause: std::io::Error| {
-        let reason = landfall::file::reason(&cause);
+        let reason = landfall_layout::file::reason(&cause);
         Error::new(shown(path), format!("cannot be read: {reason}")).unreadable()
     };
     if is_stdin(path) {

@@ -1,8 +1,8 @@
 //! `landfall reader`: the process that has a driver, for another `landfall` or a program
 //! that uses the library. Not for people.
 
-use landfall::Error;
-use landfall::run::remote::{Behind, serve};
+use landfall_exec::backend::subprocess::{Behind, serve};
+use landfall_layout::Error;
 
 use crate::args::{ReaderArgs, ReaderDriver};
 use crate::output::{Failure, Outcome};

@@ -1,7 +1,7 @@
 //! The readers a command asks: the evaluator here, each driver in a process of its own.
 
-use landfall::run::reader::{Failure, Reader};
-use landfall::run::verify::report::Attendance;
+use landfall_exec::backend::{Failure, Reader};
+use landfall_exec::harness::verify::report::Attendance;
 
 use crate::args::ReaderName;
 
@@ -57,7 +57,7 @@ fn opened(
     timing: Timing,
 ) -> Result<Box<dyn Reader>, Failure> {
     match name {
-        ReaderName::Cpu => Ok(Box::new(landfall::run::eval::Cpu::new(Default::default()))),
+        ReaderName::Cpu => Ok(Box::new(landfall_exec::interp::Cpu::new(Default::default()))),
         ReaderName::Gl => gl(timing),
         ReaderName::Gpu => gpu(adapter, timing),
     }
@@ -65,7 +65,7 @@ fn opened(
 
 #[cfg(feature = "gl")]
 fn gl(timing: Timing) -> Result<Box<dyn Reader>, Failure> {
-    remote(&landfall::run::remote::Behind::Gl, timing)
+    remote(&landfall_exec::backend::subprocess::Behind::Gl, timing)
 }
 
 #[cfg(not(feature = "gl"))]
@@ -75,7 +75,7 @@ fn gl(_timing: Timing) -> Result<Box<dyn Reader>, Failure> {
 
 #[cfg(feature = "gpu")]
 fn gpu(adapter: Option<&str>, timing: Timing) -> Result<Box<dyn Reader>, Failure> {
-    remote(&landfall::run::remote::Behind::Gpu(adapter.map(str::to_string)), timing)
+    remote(&landfall_exec::backend::subprocess::Behind::Gpu(adapter.map(str::to_string)), timing)
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -85,10 +85,10 @@ fn gpu(_adapter: Option<&str>, _timing: Timing) -> Result<Box<dyn Reader>, Failu
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
 fn remote(
-    behind: &landfall::run::remote::Behind,
+    behind: &landfall_exec::backend::subprocess::Behind,
     timing: Timing,
 ) -> Result<Box<dyn Reader>, Failure> {
-    use landfall::run::remote::{Launch, Remote};
+    use landfall_exec::backend::subprocess::{Launch, Remote};
 
     let program = std::env::current_exe().map_err(|cause| {
         let message = "the path of this program is not to be had, to start it again";

@@ -7,20 +7,21 @@ mod plan;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use landfall::emit::render as print;
-use landfall::emit::render::RenderReport;
-use landfall::light::bind::{Excess, Lit};
-use landfall::light::reference::Model;
-use landfall::light::render::tally::Tally;
-use landfall::light::render::truth::{self, Truth};
-use landfall::light::render::{Draw, RenderError, Rendered, Renderer, Work};
-use landfall::light::skip::Measured;
-use landfall::light::{Frame, Scene, Upload};
-use landfall::picture::{Picture, Transfer, file};
-use landfall::run::eval::{Cpu, Settings};
-use landfall::run::reader::{Device, Reader};
-use landfall::source::Files;
-use landfall::{Diagnostic, Error, emit};
+use landfall::report::render as print;
+use landfall::report::render::RenderReport;
+use landfall_exec::backend::{Device, Reader};
+use landfall_exec::interp::{Cpu, Settings};
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error};
+use landfall_light::bind::{Excess, Lit};
+use landfall_light::picture::{Picture, Transfer, file};
+use landfall_light::reference::Model;
+use landfall_light::render::tally::Tally;
+use landfall_light::render::truth;
+use landfall_light::render::truth::Truth;
+use landfall_light::render::{Draw, RenderError, Rendered, Renderer, Work};
+use landfall_light::skip::Measured;
+use landfall_light::{Frame, Scene, Upload};
 
 use crate::args::{ReaderName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
@@ -71,9 +72,11 @@ fn print_bind(
         }
     };
     match args.format {
-        RenderFormat::Human => streams.product(&emit::bind::text(&renderer.map, streams.paint))?,
+        RenderFormat::Human => {
+            streams.product(&landfall::report::bind::text(&renderer.map, streams.paint))?
+        }
         RenderFormat::Json => {
-            let map = emit::bind::json(&renderer.map);
+            let map = landfall::report::bind::json(&renderer.map);
             let text = serde_json::to_string_pretty(&map).unwrap_or_default();
             streams.product(&format!("{text}\n"))?;
         }
@@ -210,7 +213,7 @@ fn write(path: &Path, picture: &Picture, transfer: Transfer) -> Result<(), Error
     let shown = path.display().to_string();
     let bytes = file::Format::of(&shown).and_then(|format| file::write(picture, format, transfer));
     let bytes = bytes.map_err(|error| Error::new(&shown, error.to_string()))?;
-    landfall::file::write_whole(path, bytes)
+    landfall_layout::file::write_whole(path, bytes)
 }
 
 impl Made<'_> {
@@ -359,7 +362,7 @@ fn told(args: &RenderArgs, report: &RenderReport, streams: &Streams) -> Result<O
         RenderFormat::Human => {
             streams.product(&print::text(report, streams.paint))?;
             if let (true, Some(plan)) = (args.plan, &report.plan) {
-                streams.product(&emit::plan::text(plan, streams.paint))?;
+                streams.product(&landfall::report::plan::text(plan, streams.paint))?;
             }
             streams.finish()?;
             let notes: Vec<Diagnostic> = report.notes.iter().map(|note| warning(note)).collect();

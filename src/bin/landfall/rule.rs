@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use landfall::emit::Paint;
-use landfall::lint::{LINTS, Lint, lint};
-use landfall::source::Files;
+use landfall_layout::format::Paint;
+use landfall_layout::source::Files;
+use landfall_lint::{LINTS, Lint, lint};
 
 use crate::args::{RuleArgs, RuleFormat};
 use crate::config;

@@ -1,10 +1,10 @@
 //! `landfall run`: one function called, its results in f32 beside f64.
 
-use landfall::Error;
-use landfall::emit::run as print;
-use landfall::run::call::{Request, call};
-use landfall::run::eval::Floats;
-use landfall::source::Files;
+use landfall::report::run as print;
+use landfall_exec::harness::call::{Request, call};
+use landfall_exec::interp::Floats;
+use landfall_layout::Error;
+use landfall_layout::source::Files;
 use serde_json::Value;
 
 use crate::args::{ReaderName, RunArgs, RunFormat};

@@ -1,6 +1,6 @@
 //! `landfall schema`: the JSON Schemas the outputs and scenes keep to.
 
-use landfall::emit;
+use landfall_layout::format as emit;
 
 use crate::args::{Schema, SchemaArgs};
 use crate::output::{Failure, Outcome, Streams};
@@ -9,19 +9,19 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
     streams.product(match args.of {
         Schema::Layout => emit::LAYOUT_SCHEMA,
         Schema::Explain => emit::EXPLAIN_SCHEMA,
-        Schema::Check => emit::CHECK_SCHEMA,
-        Schema::Render => emit::render::RENDER_SCHEMA,
-        Schema::Plan => emit::plan::PLAN_SCHEMA,
-        Schema::Run => emit::run::RUN_SCHEMA,
-        Schema::Stress => emit::stress::STRESS_SCHEMA,
-        Schema::Verify => emit::verify::VERIFY_SCHEMA,
-        Schema::Bench => emit::bench::BENCH_SCHEMA,
-        Schema::Lights => emit::lights::LIGHTS_SCHEMA,
-        Schema::Devices => emit::DEVICES_SCHEMA,
+        Schema::Check => landfall_lint::render::CHECK_SCHEMA,
+        Schema::Render => landfall::report::schema::RENDER_SCHEMA,
+        Schema::Plan => landfall::report::schema::PLAN_SCHEMA,
+        Schema::Run => landfall::report::schema::RUN_SCHEMA,
+        Schema::Stress => landfall::report::schema::STRESS_SCHEMA,
+        Schema::Verify => landfall::report::schema::VERIFY_SCHEMA,
+        Schema::Bench => landfall::report::schema::BENCH_SCHEMA,
+        Schema::Lights => landfall::report::schema::LIGHTS_SCHEMA,
+        Schema::Devices => landfall::report::schema::DEVICES_SCHEMA,
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
         Schema::Lock => emit::LOCK_SCHEMA,
         Schema::Diff => emit::diff::DIFF_SCHEMA,
-        Schema::Scene => emit::SCENE_SCHEMA,
+        Schema::Scene => landfall::report::schema::SCENE_SCHEMA,
     })?;
     Ok(Outcome::Clean)
 }

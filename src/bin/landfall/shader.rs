@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use landfall::source::Files;
-use landfall::{BlockLayout, Diagnostic, Severity, ShaderLayout};
+use landfall_layout::source::Files;
+use landfall_layout::{BlockLayout, Diagnostic, Severity, ShaderLayout};
 
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
@@ -28,7 +28,7 @@ pub fn laid_out(
             return None;
         }
     };
-    let shader = landfall::layout(&source, &read::options(args));
+    let shader = landfall_layout::layout(&source, &read::options(args));
     streams.report(&style.text(&shader.diagnostics, &shader.files));
     let lost = shader.diagnostics.iter().any(is_syntax);
     (!lost).then_some(shader)

@@ -5,13 +5,13 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use landfall::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
-use landfall::emit::stress as print;
-use landfall::run::call::pure::PureRequest;
-use landfall::run::eval::Floats;
-use landfall::run::reader::Reader;
-use landfall::source::Files;
-use landfall::{Diagnostic, Error};
+use landfall::report::stress as print;
+use landfall_exec::backend::Reader;
+use landfall_exec::harness::call::pure::PureRequest;
+use landfall_exec::interp::Floats;
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error};
+use landfall_light::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
 
 use crate::args::{ReaderName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
@@ -73,7 +73,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Ok(svg) => {
                 let html = file.extension().is_some_and(|e| e == "html" || e == "htm");
                 let text = if html { print::page(&report, &svg) } else { svg };
-                landfall::file::write_whole(file, text.as_bytes())?;
+                landfall_layout::file::write_whole(file, text.as_bytes())?;
             }
             Err(refusal) => {
                 streams.report(&style.text(&refusal.found, &refusal.files));
@@ -107,7 +107,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     let past = |most: Option<f64>, is: f64| most.is_some_and(|most| is > most);
     let too_far = past(args.max_ulp, report.max_ulp()) || past(args.max_step, report.max_steps());
-    let denied = report.findings.iter().any(|f| f.level == landfall::lint::Level::Deny);
+    let denied = report.findings.iter().any(|f| f.level == landfall_layout::finding::Level::Deny);
     Ok(match too_far || denied || report.has_non_finite() {
         true => Outcome::Findings,
         false => Outcome::Clean,

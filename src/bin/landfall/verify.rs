@@ -2,17 +2,19 @@
 
 use std::path::Path;
 
-use landfall::emit::verify::{self as print, Counts};
-use landfall::file::write_whole;
-use landfall::lock::{self, Verified};
-use landfall::run::bound::Data;
-use landfall::run::coverage::coverage;
-use landfall::run::reader::Device;
-use landfall::run::spirv;
-use landfall::run::verify::report::{Attendance, Outcome as Seen, ShaderReport};
-use landfall::run::verify::{Subject, VerifyOptions, hold_spirv, run_compiled, verify};
-use landfall::source::Files;
-use landfall::{BlockLayout, Diagnostic, Error};
+use landfall::report::verify as print;
+use landfall::report::verify::Counts;
+use landfall_exec::backend::Device;
+use landfall_exec::harness::bindings::Data;
+use landfall_exec::harness::coverage::coverage;
+use landfall_exec::harness::spirv;
+use landfall_exec::harness::verify::report::{Attendance, Outcome as Seen, ShaderReport};
+use landfall_exec::harness::verify::{Subject, VerifyOptions, hold_spirv, run_compiled, verify};
+use landfall_layout::file::write_whole;
+use landfall_layout::lock;
+use landfall_layout::lock::Verified;
+use landfall_layout::source::Files;
+use landfall_layout::{BlockLayout, Diagnostic, Error};
 
 use crate::args::{VerifyArgs, VerifyFormat};
 use crate::config::{self, Config};
@@ -68,7 +70,7 @@ fn compiled(path: &Path) -> Result<Vec<u32>, Error> {
     words.map_err(|failure| Error::new(read::shown(path), failure.message))
 }
 
-fn of_failure(failure: landfall::run::reader::Failure) -> Error {
+fn of_failure(failure: landfall_exec::backend::Failure) -> Error {
     Error::new("--spirv", failure.message)
 }
 

@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use landfall::{Language, Options, Source, Stage, layout};
+use landfall_layout::{Language, Options, Source, Stage, layout};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {

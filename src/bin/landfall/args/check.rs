@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use landfall::emit::findings::ReportFormat;
+use landfall_lint::render::ReportFormat;
 
 use super::TextArgs;
 use super::levels::LevelArgs;

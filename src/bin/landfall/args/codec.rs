@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use landfall::buffer::Missing;
+use landfall_layout::buffer::Missing;
 
 use super::ReadArgs;
 

@@ -1,6 +1,6 @@
 //! What floats are rounded to.
 
-use landfall::run::eval::Floats;
+use landfall_exec::interp::Floats;
 
 #[derive(Debug, clap::Args)]
 pub struct FloatsArgs {

@@ -1,7 +1,7 @@
 //! `-A`, `-W` and `-D`: their order counts, which clap tells only by indices.
 
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use landfall::lint::Level;
+use landfall_layout::finding::Level;
 
 use super::define;
 

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use landfall::lint::settings::Target as Limits;
-use landfall::{Language, Rules, Stage, Target};
+use landfall_layout::{Language, Rules, Stage, Target};
+use landfall_lint::settings::Target as Limits;
 
 /// How shaders are read.
 #[derive(Clone, Debug, Default, clap::Args)]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::ValueEnum;
-use landfall::Stage;
+use landfall_layout::Stage;
 
 use super::read::stage;
 use super::{ConfigArgs, ReadArgs};

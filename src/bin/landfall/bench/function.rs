@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use landfall::accuracy::bench::called::{Called, Variant};
-use landfall::accuracy::bench::clock::Clock;
-use landfall::accuracy::bench::driven::OnDriver;
-use landfall::accuracy::bench::function::{Calls, Sampling};
-use landfall::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Work};
-use landfall::run::call::Refusal;
-use landfall::run::call::pure::{Pure, PureRequest};
-use landfall::run::eval::{Cpu, Floats};
-use landfall::run::reader::Reader;
-use landfall::source::Source;
-use landfall::{Error, Options};
+use landfall_exec::backend::Reader;
+use landfall_exec::harness::call::Refusal;
+use landfall_exec::harness::call::pure::{Pure, PureRequest};
+use landfall_exec::interp::{Cpu, Floats};
+use landfall_layout::source::Source;
+use landfall_layout::{Error, Options};
+use landfall_light::accuracy::bench::called::{Called, Variant};
+use landfall_light::accuracy::bench::clock::Clock;
+use landfall_light::accuracy::bench::driven::OnDriver;
+use landfall_light::accuracy::bench::function::{Calls, Sampling};
+use landfall_light::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Work};
 
 use super::{About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, wrong};
 use crate::args::{BenchArgs, ReaderName};

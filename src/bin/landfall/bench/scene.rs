@@ -4,21 +4,21 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use landfall::Error;
-use landfall::accuracy::bench::clock::Clock;
-use landfall::accuracy::bench::compiled::Compiled;
-use landfall::accuracy::bench::counted;
-use landfall::accuracy::bench::scene::Stage;
-use landfall::accuracy::bench::shader::Shader;
-use landfall::accuracy::bench::uploaded::Uploaded;
-use landfall::accuracy::bench::{Permitted, Runner, Size, Unit, Work};
-use landfall::light::compiled::{Form, Gates};
-use landfall::light::reference::Model;
-use landfall::light::render::{Renderer, truth};
-use landfall::light::{Frame, Upload, skip};
-use landfall::run::eval::{Cpu, Floats};
-use landfall::run::reader::Reader;
-use landfall::source::kind_of_path;
+use landfall_exec::backend::Reader;
+use landfall_exec::interp::{Cpu, Floats};
+use landfall_layout::Error;
+use landfall_layout::source::kind_of_path;
+use landfall_light::accuracy::bench::clock::Clock;
+use landfall_light::accuracy::bench::compiled::Compiled;
+use landfall_light::accuracy::bench::counted;
+use landfall_light::accuracy::bench::scene::Stage;
+use landfall_light::accuracy::bench::shader::Shader;
+use landfall_light::accuracy::bench::uploaded::Uploaded;
+use landfall_light::accuracy::bench::{Permitted, Runner, Size, Unit, Work};
+use landfall_light::compiled::{Form, Gates};
+use landfall_light::reference::Model;
+use landfall_light::render::{Renderer, truth};
+use landfall_light::{Frame, Upload, skip};
 
 use super::{
     About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, rust, wrong,

@@ -5,9 +5,10 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall::lint::settings::RustFile;
-use landfall::lint::{Level, Settings, digest, naga_disagrees, run};
-use landfall::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
+use landfall_layout::finding::Level;
+use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
+use landfall_lint::settings::RustFile;
+use landfall_lint::{Settings, digest, naga_disagrees, run};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

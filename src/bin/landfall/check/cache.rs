@@ -7,9 +7,9 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use landfall::Error;
-use landfall::file::write_whole;
-use landfall::lint::digest::fnv;
+use landfall_layout::Error;
+use landfall_layout::file::write_whole;
+use landfall_lint::digest::fnv;
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;

@@ -8,12 +8,12 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use landfall::Error;
-use landfall::emit::Paint;
-use landfall::emit::unified::diff;
-use landfall::file::write_whole;
-use landfall::lint::Finding;
-use landfall::lint::fix::{Fixed, apply};
+use landfall::report::unified::diff;
+use landfall_layout::Error;
+use landfall_layout::file::write_whole;
+use landfall_layout::finding::Finding;
+use landfall_layout::format::Paint;
+use landfall_lint::fix::{Fixed, apply};
 
 use super::pass::{Pass, Run};
 use super::reports::{Texts, counted};
@@ -104,7 +104,7 @@ pub fn preview(
         let inputs: HashSet<&str> = pass.checked.iter().map(|c| c.path.as_str()).collect();
         // An include is read from disk, where it is not mended: its places hold for one round.
         findings.retain(|f: &Finding| {
-            let path = |edit: &landfall::lint::Edit| edit.place.path.clone();
+            let path = |edit: &landfall_layout::finding::Edit| edit.place.path.clone();
             f.fix.iter().map(path).all(|p| inputs.contains(&*p) || !after.contains_key(&p))
         });
         let texts = Texts::new(after.clone());
@@ -148,7 +148,7 @@ fn changed(mut fixed: Vec<Fixed>) -> Vec<Fixed> {
 fn write(file: &Fixed) -> Result<(), Error> {
     let path = Path::new(&file.path);
     let failed = |cause: std::io::Error| {
-        let reason = landfall::file::reason(&cause);
+        let reason = landfall_layout::file::reason(&cause);
         Error::new(&*file.path, format!("cannot be mended: {reason}"))
     };
     let permissions = fs::metadata(path).map_err(failed)?.permissions();

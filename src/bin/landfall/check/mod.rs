@@ -17,8 +17,8 @@ mod verified;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use landfall::source::Files;
-use landfall::{Diagnostic, Error};
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error};
 
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
@@ -26,7 +26,7 @@ use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::read;
 use basis::{Basis, Scope};
 use cache::Cache;
-use landfall::emit::findings::ReportFormat;
+use landfall_lint::render::ReportFormat;
 use pass::{Pass, Run};
 
 /// Said once instead of a finding a shader.
@@ -194,21 +194,19 @@ fn diff(
     streams: &Streams,
 ) -> Result<Outcome, Failure> {
     let failures = pass.failures();
-    let failed: Vec<_> = tree::alone(&pass)
-        .into_iter()
-        .filter(|f| landfall::lint::lint(&f.code).is_none())
-        .collect();
+    let failed: Vec<_> =
+        tree::alone(&pass).into_iter().filter(|f| landfall_lint::lint(&f.code).is_none()).collect();
     let files = mend::preview(run, pass, &mut cache.tree, streams)?;
     streams.product(&mend::patch(&files))?;
     streams.finish()?;
     if failures > 0 {
         let texts = reports::Texts::new(run.stdin.clone());
-        let options = landfall::emit::findings::ReportOptions {
-            paint: landfall::emit::Paint::Plain,
+        let options = landfall_lint::render::ReportOptions {
+            paint: landfall_layout::format::Paint::Plain,
             text: &|path| texts.of(path),
             shaders: failed.len(),
         };
-        streams.report(&landfall::emit::findings::report(&failed, ReportFormat::Human, &options));
+        streams.report(&landfall_lint::render::report(&failed, ReportFormat::Human, &options));
         return Ok(Outcome::CouldNot);
     }
     streams.notes(&format!("{} would be mended\n", reports::counted(files.len(), "file")));

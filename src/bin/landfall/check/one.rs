@@ -6,12 +6,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use landfall::lint::allow::{Allow, allows, suppress};
-use landfall::lint::digest::{BlockDigest, digest, fnv};
-use landfall::lint::{Finding, Level, Place, Subject, run};
-use landfall::lock::Lock;
-use landfall::source::{self, Files};
-use landfall::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::lock::Lock;
+use landfall_layout::source;
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
+use landfall_lint::allow::{Allow, allows, suppress};
+use landfall_lint::digest::{BlockDigest, digest, fnv};
+use landfall_lint::{Subject, run};
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
@@ -165,7 +167,7 @@ impl Job<'_> {
             Ok(bytes) => Ok(Some(bytes)),
             Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
             Err(cause) => {
-                let message = format!("cannot be read: {}", landfall::file::reason(&cause));
+                let message = format!("cannot be read: {}", landfall_layout::file::reason(&cause));
                 Err(Error::new(path.display().to_string(), message))
             }
         };
@@ -203,7 +205,7 @@ impl Job<'_> {
             Language::Glsl => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
-        let shader = landfall::layout(&source, options);
+        let shader = landfall_layout::layout(&source, options);
         let settings = &self.basis.settings;
         let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
             shader.diagnostics.iter().partition(|d| d.severity == Severity::Error);
@@ -312,20 +314,22 @@ struct Against {
 fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<Against, Error> {
     let shown = crate::config::slashes(path);
     let Some(bytes) = bytes else {
-        let found = lock::drift(shader, &shown, None);
+        let found = landfall_lint::drift::drift(shader, &shown, None);
         return Ok(Against { hash: None, lock: None, found });
     };
     let hash = fnv(&bytes);
     let text = source::decode(&shown, bytes)?;
     let lock = lock::read(&shown, &text)?;
-    let found = lock::drift(shader, &shown, Some(&lock));
+    let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
     Ok(Against { hash: Some(hash), lock: Some(lock), found })
 }
 
 fn read(path: &Path, shown: &str) -> Result<Vec<u8>, Error> {
     fs::read(path).map_err(|cause| match cause.kind() {
         std::io::ErrorKind::IsADirectory => Error::new(shown, "is a directory, not a shader file"),
-        _ => Error::new(shown, format!("cannot be read: {}", landfall::file::reason(&cause))),
+        _ => {
+            Error::new(shown, format!("cannot be read: {}", landfall_layout::file::reason(&cause)))
+        }
     })
 }
 

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use landfall::file::write_whole;
-use landfall::lint::{Finding, digest};
-use landfall::{Error, Language, ShaderLayout, Source};
+use landfall_layout::file::write_whole;
+use landfall_layout::finding::Finding;
+use landfall_layout::{Error, Language, ShaderLayout, Source};
+use landfall_lint::digest;
 
 use super::basis::Basis;
 use super::one::{Checked, Done, Job, of_diagnostic};
@@ -180,6 +181,6 @@ impl Pass {
 /// The text of a shader as it is on disk now.
 pub fn source(basis: &Basis, path: &str) -> Option<Source> {
     let bytes = std::fs::read(Path::new(path)).ok()?;
-    let text = landfall::source::decode(path, bytes).ok()?;
+    let text = landfall_layout::source::decode(path, bytes).ok()?;
     Some(basis.source(path, &text))
 }

@@ -7,11 +7,11 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::sync::Arc;
 
-use landfall::Error;
-use landfall::emit::Paint;
-use landfall::emit::findings::{ReportFormat, ReportOptions, github_summary, report};
-use landfall::file::{reason, write_whole};
-use landfall::lint::{Finding, Level};
+use landfall_layout::Error;
+use landfall_layout::file::{reason, write_whole};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::format::Paint;
+use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report};
 
 use crate::args::Report;
 use crate::output::{Failure, Outcome, Streams};
@@ -146,7 +146,7 @@ fn with_shard(text: String, format: ReportFormat, result: &Result<'_>) -> String
 /// `checked 73 shaders: 2 denied, 5 warnings; 3 can be mended with --fix`.
 fn in_sum(result: &Result<'_>) -> String {
     let count = |level| result.findings.iter().filter(|f| f.level == level).count();
-    let no_lint = |f: &&Finding| f.level == Level::Deny && landfall::lint::lint(&f.code).is_none();
+    let no_lint = |f: &&Finding| f.level == Level::Deny && landfall_lint::lint(&f.code).is_none();
     let errors = result.findings.iter().filter(no_lint).count();
     let (denied, warned) = (count(Level::Deny) - errors, count(Level::Warn));
     let mut parts = Vec::new();

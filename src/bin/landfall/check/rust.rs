@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use ignore::WalkBuilder;
-use landfall::Error;
-use landfall::lint::rust_mirror::readable;
-use landfall::lint::settings::{RustFile, Settings};
+use landfall_layout::Error;
+use landfall_lint::rust_mirror::readable;
+use landfall_lint::settings::{RustFile, Settings};
 
 use crate::config::Config;
 use crate::read;

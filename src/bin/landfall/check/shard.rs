@@ -5,10 +5,10 @@
 
 use std::path::Path;
 
-use landfall::Error;
-use landfall::emit::findings::read_json;
-use landfall::lint::Finding;
-use landfall::lint::digest::fnv;
+use landfall_layout::Error;
+use landfall_layout::finding::Finding;
+use landfall_lint::digest::fnv;
+use landfall_lint::render::read_json;
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;

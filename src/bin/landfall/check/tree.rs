@@ -6,10 +6,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use landfall::lint::allow::{Allow, suppress, unused};
-use landfall::lint::digest::{BlockDigest, concerned, fnv};
-use landfall::lint::{Check, Finding, Level, Subject, lint, run};
-use landfall::{Options, ShaderLayout, Source, layout, lock};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::{Options, ShaderLayout, Source, layout, lock};
+use landfall_lint::allow::{Allow, suppress, unused};
+use landfall_lint::digest::{BlockDigest, concerned, fnv};
+use landfall_lint::{Check, Subject, lint, run};
 
 use super::basis::Basis;
 use super::one::Checked;
@@ -142,7 +143,7 @@ fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
         });
         let is_lock = lock::path_of(locks, Path::new(shader)) == path;
         if searched && is_lock && !root.shown.join(shader).exists() {
-            orphans.push(lock::orphan(&slashes(&path)));
+            orphans.push(landfall_lint::drift::orphan(&slashes(&path)));
         }
     }
     orphans

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall::lint::Finding;
-use landfall::lint::driver_disagrees;
-use landfall::{Error, ShaderLayout, layout};
+use landfall_layout::finding::Finding;
+use landfall_layout::{Error, ShaderLayout, layout};
+use landfall_lint::driver_disagrees;
 
 use super::basis::Basis;
 use super::pass::{Pass, source};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall::Error;
+use landfall_layout::Error;
 
 use super::root::{absolute, current, way};
 use crate::read::is_stdin;

@@ -1,9 +1,10 @@
 //! What the configuration says to lints: levels, permutations, copies, tables, Rust mirrors.
 
 use globset::Glob;
-use landfall::lint::settings::{Figure, MirrorCopy, MirrorGroup, Row, RustMirror, Table};
-use landfall::lint::{LINTS, Level, Settings};
-use landfall::{Diagnostic, Span};
+use landfall_layout::finding::Level;
+use landfall_layout::{Diagnostic, Span};
+use landfall_lint::settings::{Figure, MirrorCopy, MirrorGroup, Row, RustMirror, Table};
+use landfall_lint::{LINTS, Settings};
 
 use super::root::{Root, slashes};
 use super::toml::{self, Keys, Text};
@@ -32,7 +33,8 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
     for (code, value) in keys.rows("levels", "{ layout-drift = \"deny\" }") {
         if !is_code(&code.value) {
             let known: Vec<&str> = LINTS.iter().map(|lint| lint.code).collect();
-            let near = landfall::lint::nearest(&code.value, known.into_iter());
+            let near =
+                landfall_layout::text::edit_distance::nearest(&code.value, known.into_iter());
             let message = format!("there is no lint `{}`", code.value);
             let help = match near {
                 Some(near) => format!("did you mean `{near}`?"),

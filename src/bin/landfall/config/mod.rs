@@ -13,9 +13,10 @@ mod toml;
 use std::path::{Path, PathBuf};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
-use landfall::lint::settings::Target as Limits;
-use landfall::lint::{LINTS, Settings, lint, nearest};
-use landfall::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
+use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
+use landfall_lint::settings::Target as Limits;
+use landfall_lint::{LINTS, Settings, lint};
 
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
@@ -216,7 +217,7 @@ impl Config {
     /// What lints are told: as the configuration says, then as flags do.
     pub fn settings(
         &self,
-        levels: &[(String, landfall::lint::Level)],
+        levels: &[(String, landfall_layout::finding::Level)],
         targets: &[Api],
     ) -> Result<Settings, Diagnostic> {
         let mut settings = self.settings.clone();

@@ -2,8 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use landfall::Error;
-use landfall::file::reason;
+use landfall_layout::Error;
+use landfall_layout::file::reason;
 
 /// A folder as messages show it and as it is.
 #[derive(Clone, Debug, Default)]

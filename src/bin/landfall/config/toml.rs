@@ -5,9 +5,10 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use landfall::lint::{Place, nearest};
-use landfall::source::Files;
-use landfall::{Diagnostic, Span};
+use landfall_layout::finding::Place;
+use landfall_layout::source::Files;
+use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::{Diagnostic, Span};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

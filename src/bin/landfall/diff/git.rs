@@ -9,9 +9,9 @@ use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use landfall::Error;
-use landfall::file::reason;
-use landfall::source::kind_of_path;
+use landfall_layout::Error;
+use landfall_layout::file::reason;
+use landfall_layout::source::kind_of_path;
 
 /// A path at a revision, as it was named.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall::source::Files;
-use landfall::{Error, Options, ShaderLayout, lock};
+use landfall_layout::source::Files;
+use landfall_layout::{Error, Options, ShaderLayout, lock};
 
 use super::git;
 use crate::args::ReadArgs;
@@ -129,7 +129,7 @@ impl Reading<'_> {
             let dirs = &mut options.read.include_dirs;
             *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
         }
-        let layout = landfall::layout(&source, &options);
+        let layout = landfall_layout::layout(&source, &options);
         let findings = self.style.text(&layout.diagnostics, &layout.files);
         self.streams.report(&tree.map_or(findings.clone(), |tree| tree.shown(&findings)));
         if layout.has_errors() {

@@ -4,13 +4,14 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use landfall::emit::{self, EmitOptions};
-use landfall::source::Files;
-use landfall::{Diagnostic, Error, Severity};
+use landfall_layout::format as emit;
+use landfall_layout::format::EmitOptions;
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, Severity};
 
 use super::Done;
 use crate::args::LayoutArgs;
-use landfall::file::write_whole;
+use landfall_layout::file::write_whole;
 
 use crate::output::{Failure, FindingStyle, Outcome, Streams};
 

@@ -2,14 +2,14 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use landfall::light::bind::BindError;
-use landfall::light::reference::Model;
-use landfall::light::render::{RenderError, RenderOptions, Renderer};
-use landfall::light::scene::{Reading, read_file};
-use landfall::light::skip::{Compiled, Setting};
-use landfall::light::{FrameOptions, Scene, VertexNormals};
-use landfall::source::Files;
-use landfall::{Diagnostic, Error, Options, ReadOptions, Source};
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Source};
+use landfall_light::bind::BindError;
+use landfall_light::reference::Model;
+use landfall_light::render::{RenderError, RenderOptions, Renderer};
+use landfall_light::scene::{Reading, read_file};
+use landfall_light::skip::{Compiled, Setting};
+use landfall_light::{FrameOptions, Scene, VertexNormals};
 use serde_json::{Map, Value};
 
 use crate::args::{ReadArgs, RenderArgs};
@@ -251,7 +251,7 @@ impl Asked {
                     | BindError::Misfit { .. } => None,
                 });
                 if let Some(span) = at {
-                    found.labels.push(landfall::Label { span, text: String::new() });
+                    found.labels.push(landfall_layout::Label { span, text: String::new() });
                 }
                 (vec![found], &self.reading.files)
             }

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use clap::ValueEnum as _;
-use landfall::Error;
-use landfall::emit::render::Compared;
-use landfall::light::reference::Model;
-use landfall::picture::compare::{Compare, compare_and_map};
-use landfall::picture::difference::{amplification, difference, flip_picture};
-use landfall::picture::{Picture, file};
+use landfall::report::render::Compared;
+use landfall_layout::Error;
+use landfall_light::picture::compare::{Compare, compare_and_map};
+use landfall_light::picture::difference::{amplification, difference, flip_picture};
+use landfall_light::picture::{Picture, file};
+use landfall_light::reference::Model;
 
 use super::{Made, Stop, transfer};
 use crate::args::{ReaderName, RenderArgs};
@@ -54,7 +54,7 @@ pub fn compare(
         }
     };
     let options = Compare { transfer: transfer(args), leave_out: leave_out.as_deref() };
-    let wrong = |error: landfall::picture::PictureError| Error::new(what, error.to_string());
+    let wrong = |error: landfall_light::picture::PictureError| Error::new(what, error.to_string());
     let (comparison, map) = compare_and_map(&other, picture, &options).map_err(wrong)?;
     let mut pictures = Vec::new();
     if let Some(out) = &args.out {

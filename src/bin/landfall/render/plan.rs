@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 
-use landfall::Error;
-use landfall::light::compiled::Model;
-use landfall::light::reference;
-use landfall::light::render::{Renderer, Work};
-use landfall::light::skip::{self, Costs, Measured, Place, Plan};
+use landfall_layout::Error;
+use landfall_light::compiled::Model;
+use landfall_light::reference;
+use landfall_light::render::{Renderer, Work};
+use landfall_light::skip;
+use landfall_light::skip::{Costs, Measured, Place, Plan};
 
 use super::asked::Asked;
 use super::{Made, Stop};

@@ -1,0 +1,294 @@
+//! One job on one context: bound, run, read back, and nothing left behind.
+
+#![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
+
+use std::time::Instant;
+
+use glow::HasContext as _;
+
+use super::bind::{Bound, check, no_objects};
+use super::context::Context;
+use super::program::{Partner, Program, Programs};
+use crate::backend::limits::exceeds;
+use crate::backend::{Answer, Failure, Grid, Job, Texel};
+use landfall_layout::source::Stage;
+
+/// The texts of a job's stages.
+pub(super) fn texts(job: &Job) -> Result<Vec<(Stage, &str)>, Failure> {
+    job.stages
+        .iter()
+        .map(|code| match &code.glsl {
+            Some(text) => Ok((code.stage, text.as_str())),
+            None => {
+                let name = code.stage.name();
+                let message = format!("OpenGL takes GLSL, and the {name} stage has none");
+                Err(Failure::refused(message, ""))
+            }
+        })
+        .collect()
+}
+
+/// Runs a job.
+pub(super) fn run(
+    context: &Context,
+    programs: &mut Programs,
+    job: &Job,
+    texts: &[(Stage, &str)],
+) -> Result<Answer, Failure> {
+    let begun = Instant::now();
+    check(context, &job.resources)?;
+    stages_fit(context, job.grid, texts)?;
+    let _ = (context.said(), errors(context));
+    let partner = match job.grid {
+        Grid::Image { .. } => Partner::Vertex,
+        Grid::Groups(_) | Grid::Points { .. } => Partner::None,
+    };
+    let program = programs.get(context, texts, partner)?;
+    // SAFETY: the program is of the current context.
+    unsafe { context.gl.use_program(Some(program.id)) };
+    let answer = bound_run(context, program, job);
+    // SAFETY: as above.
+    unsafe { context.gl.use_program(None) };
+    let errors = errors(context);
+    let answer = answer?;
+    if !errors.is_empty() {
+        let said = context.said();
+        let message = format!("OpenGL reports {} for the job", errors.join(", "));
+        return Err(match errors.iter().any(|e| FATAL.contains(e)) {
+            true => Failure::died(message, said),
+            false => Failure::refused(message, said),
+        });
+    }
+    if begun.elapsed() > job.limit {
+        return Err(Failure::timed_out(job.limit));
+    }
+    Ok(answer)
+}
+
+fn bound_run(context: &Context, program: &Program, job: &Job) -> Result<Answer, Failure> {
+    let bound = Bound::new(context, program, &job.resources)?;
+    let gl = &context.gl;
+    let pixels = match job.grid {
+        Grid::Groups([x, y, z]) => {
+            // SAFETY: a compute program is in use.
+            unsafe { gl.dispatch_compute(x, y, z) };
+            Vec::new()
+        }
+        Grid::Image { width, height, texel } => {
+            let target = Target::new(context, (width, height), texel)?;
+            let _vertices = Vertices::new(context, program.takes_corners)?;
+            // SAFETY: program, target and vertices are in place.
+            unsafe { gl.draw_arrays(glow::TRIANGLES, 0, 3) };
+            target.read()
+        }
+        Grid::Points { count, texel } => {
+            let target = Target::new(context, (count, 1), texel)?;
+            let _vertices = Vertices::new(context, false)?;
+            // SAFETY: as above.
+            unsafe { gl.draw_arrays(glow::POINTS, 0, count.cast_signed()) };
+            target.read()
+        }
+    };
+    if context.computes() {
+        // SAFETY: the version has barriers.
+        unsafe { gl.memory_barrier(glow::ALL_BARRIER_BITS) };
+    }
+    Ok(Answer { buffers: bound.read_back()?, pixels })
+}
+
+/// Whether the stages are those of the grid, and the grid within the limits.
+fn stages_fit(context: &Context, grid: Grid, texts: &[(Stage, &str)]) -> Result<(), Failure> {
+    let has = |stage| texts.iter().any(|text| text.0 == stage);
+    let need = |stage: Stage| match has(stage) {
+        true => Ok(()),
+        false => Err(Failure::refused(format!("the job has no {} stage", stage.name()), "")),
+    };
+    let side = context.limits.image_side;
+    match grid {
+        Grid::Groups(groups) => {
+            need(Stage::Compute)?;
+            if !context.computes() {
+                let (name, (major, minor)) = (context.kind.name(), context.version);
+                let message = format!(
+                    "compute shaders are of OpenGL 4.3 or ES 3.1, and this is {name} {major}.{minor}"
+                );
+                return Err(Failure::refused(message, ""));
+            }
+            for groups in groups {
+                exceeds(
+                    "the dispatch",
+                    groups as usize,
+                    "workgroups one way",
+                    context.limits.workgroups,
+                )?;
+            }
+            Ok(())
+        }
+        Grid::Image { width, height, .. } => {
+            need(Stage::Fragment)?;
+            exceeds("the image", width.max(height) as usize, "pixels a side", side)
+        }
+        Grid::Points { count, .. } => {
+            need(Stage::Vertex)?;
+            need(Stage::Fragment)?;
+            exceeds("the row of points", count as usize, "pixels a side", side)
+        }
+    }
+}
+
+/// The image that is drawn into.
+struct Target<'c> {
+    context: &'c Context,
+    framebuffer: glow::Framebuffer,
+    image: glow::Renderbuffer,
+    size: (i32, i32),
+    texel: Texel,
+}
+
+impl<'c> Target<'c> {
+    fn new(
+        context: &'c Context,
+        (width, height): (u32, u32),
+        texel: Texel,
+    ) -> Result<Target<'c>, Failure> {
+        let gl = &context.gl;
+        let size = (width.cast_signed(), height.cast_signed());
+        let format = match texel {
+            Texel::Float => glow::RGBA32F,
+            Texel::Uint => glow::RGBA32UI,
+        };
+        // SAFETY: objects are made and bound in the current context.
+        unsafe {
+            let framebuffer = gl.create_framebuffer().map_err(no_objects)?;
+            let image = match gl.create_renderbuffer() {
+                Ok(image) => image,
+                Err(cause) => {
+                    gl.delete_framebuffer(framebuffer);
+                    return Err(no_objects(cause));
+                }
+            };
+            let target = Target { context, framebuffer, image, size, texel };
+            gl.bind_renderbuffer(glow::RENDERBUFFER, Some(image));
+            gl.renderbuffer_storage(glow::RENDERBUFFER, format, size.0, size.1);
+            gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer));
+            let place = glow::COLOR_ATTACHMENT0;
+            gl.framebuffer_renderbuffer(glow::FRAMEBUFFER, place, glow::RENDERBUFFER, Some(image));
+            let status = gl.check_framebuffer_status(glow::FRAMEBUFFER);
+            if status != glow::FRAMEBUFFER_COMPLETE {
+                let words = match texel {
+                    Texel::Float => "floats",
+                    Texel::Uint => "unsigned integers",
+                };
+                let message =
+                    format!("this context draws no {width} by {height} image of 32-bit {words}");
+                return Err(Failure::refused(
+                    message,
+                    format!("framebuffer status 0x{status:04X}"),
+                ));
+            }
+            gl.viewport(0, 0, size.0, size.1);
+            match texel {
+                Texel::Float => gl.clear_buffer_f32_slice(glow::COLOR, 0, &[0.0; 4]),
+                Texel::Uint => gl.clear_buffer_u32_slice(glow::COLOR, 0, &[0; 4]),
+            }
+            Ok(target)
+        }
+    }
+
+    fn read(&self) -> Vec<[u32; 4]> {
+        let (width, height) = self.size;
+        let mut pixels =
+            vec![[0u32; 4]; width.unsigned_abs() as usize * height.unsigned_abs() as usize];
+        let (format, ty) = match self.texel {
+            Texel::Float => (glow::RGBA, glow::FLOAT),
+            Texel::Uint => (glow::RGBA_INTEGER, glow::UNSIGNED_INT),
+        };
+        // SAFETY: the pixels have room for the whole image, 16 bytes each.
+        unsafe {
+            let room = glow::PixelPackData::Slice(Some(bytemuck::cast_slice_mut(&mut pixels)));
+            self.context.gl.read_pixels(0, 0, width, height, format, ty, room);
+        }
+        pixels
+    }
+}
+
+impl Drop for Target<'_> {
+    fn drop(&mut self) {
+        let gl = &self.context.gl;
+        // SAFETY: the context is current and the objects its own.
+        unsafe {
+            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            gl.bind_renderbuffer(glow::RENDERBUFFER, None);
+            gl.delete_framebuffer(self.framebuffer);
+            gl.delete_renderbuffer(self.image);
+        }
+    }
+}
+
+/// The vertex array, with the corners of a triangle over the whole image if they are read.
+struct Vertices<'c> {
+    context: &'c Context,
+    array: glow::VertexArray,
+    corners: Option<glow::Buffer>,
+}
+
+impl<'c> Vertices<'c> {
+    fn new(context: &'c Context, takes_corners: bool) -> Result<Vertices<'c>, Failure> {
+        let gl = &context.gl;
+        // SAFETY: objects are made and bound in the current context.
+        unsafe {
+            let array = gl.create_vertex_array().map_err(no_objects)?;
+            let mut vertices = Vertices { context, array, corners: None };
+            gl.bind_vertex_array(Some(array));
+            if takes_corners {
+                let corners = gl.create_buffer().map_err(no_objects)?;
+                vertices.corners = Some(corners);
+                let places: [f32; 6] = [-1.0, -1.0, 3.0, -1.0, -1.0, 3.0];
+                gl.bind_buffer(glow::ARRAY_BUFFER, Some(corners));
+                let bytes = bytemuck::cast_slice(&places);
+                gl.buffer_data_u8_slice(glow::ARRAY_BUFFER, bytes, glow::STATIC_DRAW);
+                gl.enable_vertex_attrib_array(0);
+                gl.vertex_attrib_pointer_f32(0, 2, glow::FLOAT, false, 0, 0);
+            }
+            Ok(vertices)
+        }
+    }
+}
+
+impl Drop for Vertices<'_> {
+    fn drop(&mut self) {
+        let gl = &self.context.gl;
+        // SAFETY: the context is current and the objects its own.
+        unsafe {
+            gl.bind_vertex_array(None);
+            gl.bind_buffer(glow::ARRAY_BUFFER, None);
+            gl.delete_vertex_array(self.array);
+            if let Some(corners) = self.corners {
+                gl.delete_buffer(corners);
+            }
+        }
+    }
+}
+
+/// Errors after which the context is of no more use.
+const FATAL: [&str; 2] = ["GL_OUT_OF_MEMORY", "GL_CONTEXT_LOST"];
+
+/// The errors since it was last asked, by name.
+fn errors(context: &Context) -> Vec<&'static str> {
+    let mut errors = Vec::new();
+    // A lost context may report errors for ever.
+    for _ in 0..8 {
+        // SAFETY: the context is current.
+        errors.push(match unsafe { context.gl.get_error() } {
+            glow::NO_ERROR => break,
+            glow::INVALID_ENUM => "GL_INVALID_ENUM",
+            glow::INVALID_VALUE => "GL_INVALID_VALUE",
+            glow::INVALID_OPERATION => "GL_INVALID_OPERATION",
+            glow::INVALID_FRAMEBUFFER_OPERATION => "GL_INVALID_FRAMEBUFFER_OPERATION",
+            glow::OUT_OF_MEMORY => FATAL[0],
+            glow::CONTEXT_LOST => FATAL[1],
+            _ => "an unknown error",
+        });
+    }
+    errors
+}

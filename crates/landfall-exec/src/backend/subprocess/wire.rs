@@ -1,0 +1,281 @@
+//! Questions and replies as they travel, and the way from and to what they mean.
+
+use std::io;
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::frame::{Blob, Frame, invalid};
+use crate::backend::devices::{Found, Limits};
+use crate::backend::{
+    Answer, Device, Failure, Grid, Job, LooseUniform, Resource, ResourceKind, StageCode,
+};
+use landfall_ir::Module;
+use landfall_layout::source::Stage;
+
+/// What is asked of the process that runs jobs.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) enum Ask {
+    /// Opens the driver, if it is not open; whether it times its jobs by the device's clock.
+    Open {
+        timed: bool,
+    },
+    /// What there is.
+    List,
+    /// Remember a module by a number; its JSON is the blob.
+    Module {
+        id: u64,
+        json: Blob,
+    },
+    /// Forget all modules.
+    Forget,
+    Run(WireJob),
+    /// What OpenGL has active in a program of those texts.
+    Reflect {
+        sources: Vec<(String, String)>,
+    },
+}
+
+/// What comes back. [`Ask::Module`] and [`Ask::Forget`] have no reply.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) enum Reply {
+    Opened(WireDevice),
+    Listed(Vec<WireFound>),
+    Ran {
+        buffers: Vec<Option<Blob>>,
+        pixels: Blob,
+        times: Times,
+    },
+    #[cfg(feature = "gl")]
+    Reflected(crate::backend::reflection::Reflection),
+    Failed(Failure),
+}
+
+/// How long a job took, without the way there and back.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Times {
+    /// By timestamps of the device.
+    pub device: Option<Duration>,
+    /// Of the processors, by all threads of the process that ran it.
+    pub processor: Option<Duration>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct WireJob {
+    stages: Vec<WireStage>,
+    resources: Vec<WireResource>,
+    grid: Grid,
+    limit: Duration,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct WireStage {
+    stage: String,
+    entry: String,
+    module: Option<u64>,
+    glsl: Option<String>,
+    spirv: Option<Blob>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct WireResource {
+    name: String,
+    group: u32,
+    binding: u32,
+    kind: WireKind,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+enum WireKind {
+    Uniform(Blob),
+    Storage { bytes: Blob, writable: bool },
+    PushConstant(Blob),
+    Texture { width: u32, height: u32, texels: Blob },
+    Sampler,
+    Loose(Vec<LooseUniform>),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct WireDevice {
+    reader: String,
+    adapter: String,
+    driver: String,
+    version: String,
+    software: bool,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct WireFound {
+    reader: String,
+    kind: String,
+    outcome: Result<(WireDevice, Limits), Failure>,
+}
+
+impl WireJob {
+    /// A job whose modules the other side knows by the numbers given. Only the form of the
+    /// code that the reader takes is sent.
+    pub(super) fn new(
+        job: &Job,
+        reader: &str,
+        frame: &mut Frame,
+        mut number: impl FnMut(&Arc<Module>) -> io::Result<u64>,
+    ) -> io::Result<WireJob> {
+        let mut stages = Vec::with_capacity(job.stages.len());
+        for code in &job.stages {
+            let (stage, entry) = (code.stage.name().to_string(), code.entry.clone());
+            let mut sent = WireStage { stage, entry, module: None, glsl: None, spirv: None };
+            if reader == "gl" {
+                sent.glsl = code.glsl.clone();
+            } else if let Some(words) = &code.spirv {
+                let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+                sent.spirv = Some(frame.put(bytes));
+            } else {
+                sent.module = code.module.as_ref().map(&mut number).transpose()?;
+            }
+            stages.push(sent);
+        }
+        let resources = job.resources.iter().map(|resource| WireResource {
+            name: resource.name.clone(),
+            group: resource.group,
+            binding: resource.binding,
+            kind: match &resource.kind {
+                ResourceKind::Uniform(bytes) => WireKind::Uniform(frame.put(bytes.clone())),
+                ResourceKind::Storage { bytes, writable } => {
+                    WireKind::Storage { bytes: frame.put(bytes.clone()), writable: *writable }
+                }
+                ResourceKind::PushConstant(bytes) => {
+                    WireKind::PushConstant(frame.put(bytes.clone()))
+                }
+                ResourceKind::Texture { width, height, texels } => WireKind::Texture {
+                    width: *width,
+                    height: *height,
+                    texels: frame.put(
+                        texels.iter().flatten().flat_map(|c| c.to_bits().to_le_bytes()).collect(),
+                    ),
+                },
+                ResourceKind::Sampler => WireKind::Sampler,
+                ResourceKind::Loose(uniforms) => WireKind::Loose(uniforms.clone()),
+            },
+        });
+        Ok(WireJob { stages, resources: resources.collect(), grid: job.grid, limit: job.limit })
+    }
+
+    /// The job, its modules looked up by their numbers.
+    pub(super) fn job(
+        self,
+        frame: &mut Frame,
+        module: impl Fn(u64) -> Option<Arc<Module>>,
+    ) -> io::Result<Job> {
+        let mut stages = Vec::with_capacity(self.stages.len());
+        for code in self.stages {
+            let spirv = match code.spirv {
+                Some(blob) => Some(words(&frame.take(blob)?).into()),
+                None => None,
+            };
+            let known = |id| module(id).ok_or_else(|| invalid("no such module"));
+            stages.push(StageCode {
+                stage: stage(&code.stage)?,
+                entry: code.entry,
+                module: code.module.map(known).transpose()?,
+                glsl: code.glsl,
+                spirv,
+            });
+        }
+        let mut resources = Vec::with_capacity(self.resources.len());
+        for WireResource { name, group, binding, kind } in self.resources {
+            let kind = match kind {
+                WireKind::Uniform(blob) => ResourceKind::Uniform(frame.take(blob)?),
+                WireKind::Storage { bytes, writable } => {
+                    ResourceKind::Storage { bytes: frame.take(bytes)?, writable }
+                }
+                WireKind::PushConstant(blob) => ResourceKind::PushConstant(frame.take(blob)?),
+                WireKind::Texture { width, height, texels } => {
+                    let texels = quads(&frame.take(texels)?);
+                    let texels = texels.into_iter().map(|texel| texel.map(f32::from_bits));
+                    ResourceKind::Texture { width, height, texels: texels.collect() }
+                }
+                WireKind::Sampler => ResourceKind::Sampler,
+                WireKind::Loose(uniforms) => ResourceKind::Loose(uniforms),
+            };
+            resources.push(Resource { name, group, binding, kind });
+        }
+        Ok(Job { stages, resources, grid: self.grid, limit: self.limit })
+    }
+}
+
+impl Reply {
+    pub(super) fn of_answer(answer: Answer, times: Times, frame: &mut Frame) -> Reply {
+        let buffers = answer.buffers.into_iter().map(|bytes| bytes.map(|bytes| frame.put(bytes)));
+        let buffers = buffers.collect();
+        let pixels = answer.pixels.iter().flatten().flat_map(|word| word.to_le_bytes());
+        Reply::Ran { buffers, pixels: frame.put(pixels.collect()), times }
+    }
+
+    pub(super) fn answer(
+        buffers: Vec<Option<Blob>>,
+        pixels: Blob,
+        frame: &mut Frame,
+    ) -> io::Result<Answer> {
+        let mut taken = Vec::with_capacity(buffers.len());
+        for blob in buffers {
+            taken.push(match blob {
+                Some(blob) => Some(frame.take(blob)?),
+                None => None,
+            });
+        }
+        Ok(Answer { buffers: taken, pixels: quads(&frame.take(pixels)?) })
+    }
+}
+
+impl From<&Device> for WireDevice {
+    fn from(device: &Device) -> WireDevice {
+        let Device { reader, adapter, driver, version, software } = device.clone();
+        WireDevice { reader: reader.to_string(), adapter, driver, version, software }
+    }
+}
+
+impl WireDevice {
+    pub(super) fn device(self) -> io::Result<Device> {
+        let WireDevice { reader, adapter, driver, version, software } = self;
+        Ok(Device { reader: known(&reader)?, adapter, driver, version, software })
+    }
+}
+
+impl From<Found> for WireFound {
+    fn from(found: Found) -> WireFound {
+        let Found { reader, kind, outcome } = found;
+        let outcome = outcome.map(|(device, limits)| (WireDevice::from(&device), limits));
+        WireFound { reader: reader.to_string(), kind, outcome }
+    }
+}
+
+impl WireFound {
+    pub(super) fn found(self) -> io::Result<Found> {
+        let WireFound { reader, kind, outcome } = self;
+        let outcome = match outcome {
+            Ok((device, limits)) => Ok((device.device()?, limits)),
+            Err(failure) => Err(failure),
+        };
+        Ok(Found { reader: known(&reader)?, kind, outcome })
+    }
+}
+
+pub(super) fn stage(name: &str) -> io::Result<Stage> {
+    Stage::from_name(name).ok_or_else(|| invalid("no such stage"))
+}
+
+fn known(reader: &str) -> io::Result<&'static str> {
+    ["gl", "gpu"].into_iter().find(|name| *name == reader).ok_or_else(|| invalid("no such reader"))
+}
+
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes
+        .chunks_exact(4)
+        .map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]))
+        .collect()
+}
+
+fn quads(bytes: &[u8]) -> Vec<[u32; 4]> {
+    words(bytes).chunks_exact(4).map(|four| [four[0], four[1], four[2], four[3]]).collect()
+}

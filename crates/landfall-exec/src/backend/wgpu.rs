@@ -1,0 +1,157 @@
+//! wgpu: Vulkan, Metal, DX12, fed the module itself, or SPIR-V as it is.
+//!
+//! llvmpipe (Mesa 22.3.6) lets an invocation have 65535 turns of all its loops together and
+//! leaves them then, without a word: an answer of longer loops is not the shader's.
+//!
+//! Never WGSL text: it would lose offsets and strides on the way. [`Gpu`] calls a driver,
+//! which may crash or hang: [`remote`](crate::backend::subprocess) does the same in a process of
+//! its own.
+
+mod adapter;
+mod device;
+mod needs;
+mod pipeline;
+mod run;
+mod spirv;
+mod timing;
+
+use std::time::Duration;
+
+pub use adapter::Choice;
+
+use super::devices::{Found, Limits};
+use crate::backend::{Answer, Device, Failure, FailureKind, Job, Reader};
+use device::Open;
+use pipeline::Pipelines;
+use timing::Timestamps;
+
+/// A GPU in this process.
+pub struct Gpu {
+    open: Open,
+    pipelines: Pipelines,
+    device: Device,
+    limits: Limits,
+    /// Whether a job is running that nobody waits for.
+    busy: bool,
+    timing: Timing,
+}
+
+/// Whether jobs are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Timing {
+    Off,
+    /// How long the last one took, where the device says.
+    On(Option<Duration>),
+}
+
+impl Gpu {
+    /// Opens an adapter.
+    ///
+    /// # Errors
+    /// [`FailureKind::Missing`] where there is none of that choice.
+    pub fn open(choice: &Choice) -> Result<Gpu, Failure> {
+        let adapter = adapter::choose(choice)?;
+        Ok(Gpu {
+            open: Open::new(&adapter)?,
+            pipelines: Pipelines::default(),
+            device: adapter::device(&adapter),
+            limits: adapter::limits(&adapter),
+            busy: false,
+            timing: Timing::Off,
+        })
+    }
+
+    /// The same, timing its jobs by timestamps of the device, where it has those.
+    pub fn timed(self) -> Gpu {
+        Gpu { timing: Timing::On(None), ..self }
+    }
+
+    /// Every adapter of every backend of this build, and each backend without one.
+    pub fn list() -> Vec<Found> {
+        adapter::list()
+    }
+}
+
+impl Reader for Gpu {
+    fn device(&self) -> &Device {
+        &self.device
+    }
+
+    fn run(&mut self, job: &Job) -> Result<Answer, Failure> {
+        if self.busy {
+            return Err(Failure::died("the device has not come back from a job before", ""));
+        }
+        let timestamps = match self.timing {
+            Timing::Off => None,
+            Timing::On(_) => Timestamps::new(&self.open),
+        };
+        let Gpu { open, pipelines, limits, .. } = self;
+        let answer = run::run(open, pipelines, limits, job, timestamps.as_ref());
+        if let Some(timestamps) = &timestamps {
+            let passed = answer.as_ref().ok().and_then(|_| timestamps.passed());
+            self.timing = Timing::On(passed);
+        }
+        let timed_out = |failure: &Failure| failure.kind == FailureKind::TimedOut;
+        self.busy = answer.as_ref().is_err_and(timed_out);
+        answer
+    }
+
+    fn device_time(&self) -> Option<Duration> {
+        match self.timing {
+            Timing::Off => None,
+            Timing::On(passed) => passed,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::time::Duration;
+
+    use naga::{Type, TypeInner};
+
+    use super::*;
+    use crate::backend::{Grid, Resource, ResourceKind, StageCode};
+    use landfall_ir::Module;
+    use landfall_layout::{Options, Source, Stage};
+
+    #[test]
+    fn offsets_replaced_in_the_module_are_the_ones_read() {
+        let text = "struct B { a: u32, b: u32 }
+            @group(0) @binding(0) var<uniform> block: B;
+            @group(0) @binding(1) var<storage, read_write> to: array<u32, 2>;
+            @compute @workgroup_size(1) fn main() { to[0] = block.a; to[1] = block.b; }";
+        let mut module =
+            Module::by_naga(&Source::new("b.wgsl", text), &Options::default()).unwrap();
+        let (handle, block) = module.ir.types.iter().find(|t| t.1.name.is_some()).unwrap();
+        let TypeInner::Struct { mut members, .. } = block.inner.clone() else {
+            panic!("{block:?}")
+        };
+        (members[0].offset, members[1].offset) = (12, 36);
+        let moved =
+            Type { name: block.name.clone(), inner: TypeInner::Struct { members, span: 48 } };
+        module.ir.types.replace(handle, moved);
+        let stage = StageCode {
+            stage: Stage::Compute,
+            entry: "main".to_string(),
+            module: Some(Arc::new(module)),
+            glsl: None,
+            spirv: None,
+        };
+        let bytes = (0..12u32).flat_map(u32::to_le_bytes).collect();
+        let kinds = [
+            ResourceKind::Uniform(bytes),
+            ResourceKind::Storage { bytes: vec![0; 8], writable: true },
+        ];
+        let bound = |(binding, kind)| Resource { name: "b".to_string(), group: 0, binding, kind };
+        let job = Job {
+            stages: vec![stage],
+            resources: (0..).zip(kinds).map(bound).collect(),
+            grid: Grid::Groups([1, 1, 1]),
+            limit: Duration::from_secs(60),
+        };
+        let answer = Gpu::open(&Choice::default()).unwrap().run(&job).unwrap();
+        assert_eq!(answer.buffers[1].as_deref(), Some(&[3, 0, 0, 0, 9, 0, 0, 0][..]));
+    }
+}

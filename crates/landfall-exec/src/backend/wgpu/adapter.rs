@@ -1,0 +1,147 @@
+//! The adapters of this machine: which there are, which one to take, and what it takes.
+
+use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceDescriptor};
+
+use crate::backend::devices::{Found, Limits};
+use crate::backend::{Device, Failure};
+
+/// Which adapter to take.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Choice {
+    /// Part of its name or its backend, in any case. Without one, hardware goes before
+    /// software, and OpenGL is not taken: wgpu's own goes through GLSL text, which loses
+    /// offsets.
+    pub adapter: Option<String>,
+}
+
+/// The backends that take a module as it is.
+const DIRECT: Backends = Backends::VULKAN.union(Backends::METAL).union(Backends::DX12);
+
+/// Features a job may need; those an adapter lacks are done without.
+pub(super) const WANTED: Features = Features::SHADER_F64
+    .union(Features::SHADER_F16)
+    .union(Features::SHADER_INT64)
+    .union(Features::SHADER_I16)
+    .union(Features::IMMEDIATES)
+    .union(Features::VERTEX_WRITABLE_STORAGE)
+    .union(Features::PASSTHROUGH_SHADERS)
+    .union(Features::TIMESTAMP_QUERY)
+    .union(Features::SUBGROUP);
+
+/// The adapter of that choice.
+pub(super) fn choose(choice: &Choice) -> Result<Adapter, Failure> {
+    let backends = if choice.adapter.is_some() { Backends::all() } else { DIRECT };
+    let mut adapters = enumerate(backends);
+    adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
+    let Some(part) = &choice.adapter else {
+        return adapters.into_iter().next().ok_or_else(|| Failure::missing(none(DIRECT), ""));
+    };
+    let wanted = part.to_lowercase();
+    let names: Vec<String> = adapters.iter().map(full_name).collect();
+    let found = names.iter().position(|name| name.to_lowercase().contains(&wanted));
+    found.map(|at| adapters.swap_remove(at)).ok_or_else(|| {
+        let there = match names.as_slice() {
+            [] => "there is none at all".to_string(),
+            names => format!("there are {}", names.join(", ")),
+        };
+        Failure::missing(format!("no GPU adapter is called `{part}`; {there}"), "")
+    })
+}
+
+/// Every adapter of every backend this build has, and each backend without one.
+pub(super) fn list() -> Vec<Found> {
+    let mut found = Vec::new();
+    for backend in [Backend::Vulkan, Backend::Metal, Backend::Dx12, Backend::Gl] {
+        let backends = Backends::from(backend);
+        if !Instance::enabled_backend_features().contains(backends) {
+            continue;
+        }
+        let adapters = enumerate(backends);
+        let kind = backend.to_str().to_string();
+        if adapters.is_empty() {
+            let outcome = Err(Failure::missing(none(backends), ""));
+            found.push(Found { reader: "gpu", kind: kind.clone(), outcome });
+        }
+        found.extend(adapters.iter().map(|adapter| {
+            let outcome = Ok((device(adapter), limits(adapter)));
+            Found { reader: "gpu", kind: kind.clone(), outcome }
+        }));
+    }
+    found
+}
+
+/// Who an adapter is.
+pub(super) fn device(adapter: &Adapter) -> Device {
+    let info = adapter.get_info();
+    let driver =
+        if info.driver.is_empty() { info.backend.to_str().to_string() } else { info.driver };
+    Device {
+        reader: "gpu",
+        adapter: info.name,
+        driver,
+        version: info.driver_info,
+        software: info.device_type == DeviceType::Cpu,
+    }
+}
+
+/// What an adapter takes.
+pub(super) fn limits(adapter: &Adapter) -> Limits {
+    let limits = adapter.limits();
+    let immediates = adapter.features().contains(Features::IMMEDIATES);
+    Limits {
+        uniform_block_size: Some(limits.max_uniform_buffer_binding_size),
+        storage_block_size: Some(limits.max_storage_buffer_binding_size),
+        uniform_blocks: Some(limits.max_uniform_buffers_per_shader_stage.into()),
+        storage_blocks: Some(limits.max_storage_buffers_per_shader_stage.into()),
+        push_constant_size: immediates.then_some(limits.max_immediate_size.into()),
+        image_side: Some(limits.max_texture_dimension_2d.into()),
+        workgroup_invocations: Some(limits.max_compute_invocations_per_workgroup.into()),
+        workgroups: Some(limits.max_compute_workgroups_per_dimension.into()),
+    }
+}
+
+fn enumerate(backends: Backends) -> Vec<Adapter> {
+    let descriptor = InstanceDescriptor {
+        backends,
+        // The layers that check Vulkan's use are for those who write drivers' clients.
+        flags: wgpu::InstanceFlags::empty(),
+        ..InstanceDescriptor::new_without_display_handle()
+    };
+    pollster::block_on(Instance::new(descriptor).enumerate_adapters(backends))
+}
+
+fn full_name(adapter: &Adapter) -> String {
+    let info = adapter.get_info();
+    format!("{} ({})", info.name, info.backend.to_str())
+}
+
+/// Lower is taken first.
+fn rank(kind: DeviceType) -> u32 {
+    match kind {
+        DeviceType::DiscreteGpu => 0,
+        DeviceType::IntegratedGpu => 1,
+        DeviceType::VirtualGpu => 2,
+        DeviceType::Other => 3,
+        DeviceType::Cpu => 4,
+    }
+}
+
+fn none(backends: Backends) -> String {
+    let names: Vec<&str> = [
+        (Backends::VULKAN, "Vulkan"),
+        (Backends::METAL, "Metal"),
+        (Backends::DX12, "DX12"),
+        (Backends::GL, "OpenGL"),
+    ]
+    .into_iter()
+    .filter(|row| backends.intersection(Instance::enabled_backend_features()).contains(row.0))
+    .map(|row| row.1)
+    .collect();
+    let mut message = format!("no {} adapter", names.join(" or "));
+    if backends.contains(Backends::VULKAN) && cfg!(target_os = "linux") {
+        message.push_str(
+            "; the Debian packages `mesa-vulkan-drivers` and `libvulkan1` have one in software",
+        );
+    }
+    message
+}

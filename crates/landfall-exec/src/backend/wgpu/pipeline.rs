@@ -1,0 +1,386 @@
+//! Shader modules and pipelines, each made once.
+//!
+//! Fed by jobs; feeds [`run`](super::run). The layout of a pipeline is what the job binds,
+//! so that SPIR-V, of which wgpu knows nothing, is bound like a module.
+
+#![allow(unsafe_code, reason = "SPIR-V goes to the driver as it is")]
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
+use naga::front::wgsl;
+use wgpu::{
+    BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType,
+    BufferBindingType, ComputePipeline, ComputePipelineDescriptor, Features,
+    PipelineCompilationOptions, PipelineLayout, PipelineLayoutDescriptor, PrimitiveTopology,
+    RenderPipeline, RenderPipelineDescriptor, SamplerBindingType, ShaderModule, ShaderStages,
+    TextureFormat, TextureSampleType, TextureViewDimension,
+};
+
+use super::device::Open;
+use super::{needs, spirv};
+use crate::backend::{Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel};
+use landfall_ir::Module;
+use landfall_layout::source::{Runs, Stage};
+
+/// The pipelines of one device.
+#[derive(Default)]
+pub(super) struct Pipelines {
+    modules: HashMap<Code, ShaderModule>,
+    pipelines: HashMap<Key, Arc<Pipeline>>,
+}
+
+/// A pipeline and the groups it binds.
+pub(super) struct Pipeline {
+    /// For each group up to the last, its layout if anything is in it.
+    pub(super) groups: Vec<Option<BindGroupLayout>>,
+    pub(super) kind: PipelineKind,
+}
+
+pub(super) enum PipelineKind {
+    Compute(ComputePipeline),
+    Render(RenderPipeline),
+}
+
+/// Beyond this many all are let go: nobody runs more in turn.
+const KEPT: usize = 64;
+
+/// What a pipeline depends on.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Key {
+    stages: Vec<(Stage, String, Code)>,
+    bindings: Vec<(u32, u32, Binding)>,
+    immediates: u32,
+    target: Option<(Texel, bool)>,
+}
+
+/// A shader module by what it was made of; modules are the same when they are one.
+#[derive(Clone, Debug)]
+enum Code {
+    Module(Arc<Module>),
+    Spirv(Arc<[u32]>),
+    Corners,
+}
+
+impl PartialEq for Code {
+    fn eq(&self, other: &Code) -> bool {
+        match (self, other) {
+            (Code::Module(one), Code::Module(two)) => Arc::ptr_eq(one, two),
+            (Code::Spirv(one), Code::Spirv(two)) => one == two,
+            (Code::Corners, Code::Corners) => true,
+            (Code::Module(_) | Code::Spirv(_) | Code::Corners, _) => false,
+        }
+    }
+}
+
+impl Eq for Code {}
+
+impl std::hash::Hash for Code {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        match self {
+            Code::Module(module) => Arc::as_ptr(module).hash(state),
+            Code::Spirv(words) => words.hash(state),
+            Code::Corners => 0.hash(state),
+        }
+    }
+}
+
+/// How a resource is bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Binding {
+    Uniform,
+    Storage { writable: bool },
+    Texture,
+    Sampler,
+}
+
+impl Pipelines {
+    /// The pipeline of a job, made at the first time.
+    pub(super) fn get(&mut self, open: &Open, job: &Job) -> Result<Arc<Pipeline>, Failure> {
+        let key = key(job)?;
+        if let Some(pipeline) = self.pipelines.get(&key) {
+            return Ok(Arc::clone(pipeline));
+        }
+        if self.pipelines.len() >= KEPT {
+            *self = Pipelines::default();
+        }
+        let mut stages = Vec::with_capacity(key.stages.len());
+        for (stage, entry, code) in &key.stages {
+            stages.push((*stage, entry.as_str(), self.module(open, *stage, entry, code)?));
+        }
+        let visible = key.stages.iter().fold(ShaderStages::NONE, |all, s| all | visibility(s.0));
+        let (groups, layout) = layout(open, &key, visible)?;
+        let kind = open.hear("the pipeline", || Ok(pipeline(open, &key, &stages, &layout)));
+        // wgpu tells the place and not the name.
+        let kind = kind.map_err(|failure| match unbound(&key) {
+            Some(message) => Failure { message, ..failure },
+            None => failure,
+        })?;
+        let pipeline = Arc::new(Pipeline { groups, kind });
+        self.pipelines.insert(key, Arc::clone(&pipeline));
+        Ok(pipeline)
+    }
+
+    fn module(
+        &mut self,
+        open: &Open,
+        stage: Stage,
+        entry: &str,
+        code: &Code,
+    ) -> Result<ShaderModule, Failure> {
+        if let Some(module) = self.modules.get(code) {
+            return Ok(module.clone());
+        }
+        let doing = format!("the {} shader", stage.name());
+        let made = open.hear(&doing, || match code {
+            Code::Module(module) => match needs::lacking(&module.ir, open.device.features()) {
+                Some(failure) => Err(failure),
+                None => Ok(of_module(open, module.ir.clone())),
+            },
+            Code::Corners => Ok(of_module(open, corners().clone())),
+            Code::Spirv(words) => {
+                let workgroup_size = spirv::workgroup_size(words)?;
+                if !open.device.features().contains(Features::PASSTHROUGH_SHADERS) {
+                    return Err(Failure::refused("this adapter takes no SPIR-V as it is", ""));
+                }
+                let entry = wgpu::PassthroughShaderEntryPoint {
+                    name: Cow::Borrowed(entry),
+                    workgroup_size,
+                };
+                let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+                    label: None,
+                    entry_points: Cow::Owned(vec![entry]),
+                    spirv: Some(Cow::Borrowed(words)),
+                    ..Default::default()
+                };
+                // SAFETY: the words are whole instructions made by a compiler of the user's;
+                // a driver that minds takes only this process down, which is what
+                // `remote` is for.
+                Ok(unsafe { open.device.create_shader_module_passthrough(descriptor) })
+            }
+        })?;
+        self.modules.insert(code.clone(), made.clone());
+        Ok(made)
+    }
+}
+
+fn of_module(open: &Open, ir: naga::Module) -> ShaderModule {
+    open.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Naga(Cow::Owned(ir)),
+    })
+}
+
+/// The vertex shader before a lone fragment shader: a triangle over the whole image.
+fn corners() -> &'static naga::Module {
+    static CORNERS: OnceLock<naga::Module> = OnceLock::new();
+    CORNERS.get_or_init(|| {
+        let text = "@vertex fn main(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+            return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+        }";
+        wgsl::parse_str(text).expect("it is written above")
+    })
+}
+
+fn key(job: &Job) -> Result<Key, Failure> {
+    let has = |stage| job.stages.iter().any(|code: &StageCode| code.stage == stage);
+    let need = |stage: Stage| match has(stage) {
+        true => Ok(()),
+        false => Err(Failure::refused(format!("the job has no {} stage", stage.name()), "")),
+    };
+    let mut stages = Vec::new();
+    for code in &job.stages {
+        let stage = code.stage;
+        let from = match (&code.spirv, &code.module) {
+            (Some(words), _) => Code::Spirv(Arc::clone(words)),
+            (None, Some(module)) => Code::Module(Arc::clone(module)),
+            (None, None) => {
+                let message = format!(
+                    "wgpu takes a module or SPIR-V, and the {} stage has neither",
+                    stage.name()
+                );
+                return Err(Failure::refused(message, ""));
+            }
+        };
+        stages.push((stage, code.entry.clone(), from));
+    }
+    let target = match job.grid {
+        Grid::Groups(_) => {
+            need(Stage::Compute)?;
+            None
+        }
+        Grid::Image { texel, .. } => {
+            need(Stage::Fragment)?;
+            if !has(Stage::Vertex) {
+                stages.push((Stage::Vertex, "main".to_string(), Code::Corners));
+            }
+            Some((texel, false))
+        }
+        Grid::Points { texel, .. } => {
+            need(Stage::Vertex)?;
+            need(Stage::Fragment)?;
+            Some((texel, true))
+        }
+    };
+    let mut bindings: Vec<(u32, u32, Binding)> = job.resources.iter().filter_map(binding).collect();
+    bindings.sort_by_key(|&(group, binding, _)| (group, binding));
+    let immediates = job.resources.iter().map(|resource| match &resource.kind {
+        ResourceKind::PushConstant(bytes) => bytes.len().next_multiple_of(4),
+        ResourceKind::Uniform(_)
+        | ResourceKind::Storage { .. }
+        | ResourceKind::Texture { .. }
+        | ResourceKind::Sampler
+        | ResourceKind::Loose(_) => 0,
+    });
+    let immediates = immediates.sum::<usize>().try_into().unwrap_or(u32::MAX);
+    Ok(Key { stages, bindings, immediates, target })
+}
+
+fn binding(resource: &Resource) -> Option<(u32, u32, Binding)> {
+    let kind = match &resource.kind {
+        ResourceKind::Uniform(_) => Binding::Uniform,
+        ResourceKind::Storage { writable, .. } => Binding::Storage { writable: *writable },
+        ResourceKind::Texture { .. } => Binding::Texture,
+        ResourceKind::Sampler => Binding::Sampler,
+        ResourceKind::PushConstant(_) | ResourceKind::Loose(_) => return None,
+    };
+    Some((resource.group, resource.binding, kind))
+}
+
+fn visibility(stage: Stage) -> ShaderStages {
+    match Runs::of(stage) {
+        Some(Runs::Vertex) => ShaderStages::VERTEX,
+        Some(Runs::Fragment) => ShaderStages::FRAGMENT,
+        Some(Runs::Compute) => ShaderStages::COMPUTE,
+        None => ShaderStages::NONE,
+    }
+}
+
+/// What a module has and the job does not bind.
+fn unbound(key: &Key) -> Option<String> {
+    key.stages.iter().find_map(|(_, _, code)| {
+        let Code::Module(module) = code else { return None };
+        module.ir.global_variables.iter().find_map(|(_, global)| {
+            let place = global.binding?;
+            let (group, binding) = (place.group, place.binding);
+            if key.bindings.iter().any(|row| (row.0, row.1) == (group, binding)) {
+                return None;
+            }
+            let name = global.name.as_deref().unwrap_or("a block");
+            Some(format!(
+                "the shader reads `{name}` (group {group}, binding {binding}), and nothing is bound \
+                 to it"
+            ))
+        })
+    })
+}
+
+type Groups = Vec<Option<BindGroupLayout>>;
+
+fn layout(
+    open: &Open,
+    key: &Key,
+    visible: ShaderStages,
+) -> Result<(Groups, PipelineLayout), Failure> {
+    let writable_in_vertex = open.device.features().contains(Features::VERTEX_WRITABLE_STORAGE);
+    let entry = |&(_, binding, kind): &(u32, u32, Binding)| {
+        let buffer =
+            |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let mut visibility = visible;
+        let ty = match kind {
+            Binding::Uniform => buffer(BufferBindingType::Uniform),
+            Binding::Storage { writable } => {
+                if writable && !writable_in_vertex {
+                    visibility -= ShaderStages::VERTEX;
+                }
+                buffer(BufferBindingType::Storage { read_only: !writable })
+            }
+            Binding::Texture => BindingType::Texture {
+                sample_type: TextureSampleType::Float { filterable: false },
+                view_dimension: TextureViewDimension::D2,
+                multisampled: false,
+            },
+            Binding::Sampler => BindingType::Sampler(SamplerBindingType::NonFiltering),
+        };
+        BindGroupLayoutEntry { binding, visibility, ty, count: None }
+    };
+    open.hear("what is bound", || {
+        let last = key.bindings.iter().map(|row| row.0 + 1).max().unwrap_or(0);
+        let groups: Groups = (0..last)
+            .map(|group| {
+                let here = key.bindings.iter().filter(|row| row.0 == group);
+                let entries: Vec<BindGroupLayoutEntry> = here.map(entry).collect();
+                let descriptor = BindGroupLayoutDescriptor { label: None, entries: &entries };
+                (!entries.is_empty()).then(|| open.device.create_bind_group_layout(&descriptor))
+            })
+            .collect();
+        let bind_group_layouts: Vec<Option<&BindGroupLayout>> =
+            groups.iter().map(Option::as_ref).collect();
+        let layout = open.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &bind_group_layouts,
+            immediate_size: key.immediates,
+        });
+        Ok((groups, layout))
+    })
+}
+
+fn pipeline(
+    open: &Open,
+    key: &Key,
+    stages: &[(Stage, &str, ShaderModule)],
+    layout: &PipelineLayout,
+) -> PipelineKind {
+    let of = |stage| {
+        let found = stages.iter().find(|row| row.0 == stage);
+        let (_, entry, module) = found.expect("the key was made with the stages of its grid");
+        (module, Some(*entry))
+    };
+    let Some((texel, points)) = key.target else {
+        let (module, entry_point) = of(Stage::Compute);
+        return PipelineKind::Compute(open.device.create_compute_pipeline(
+            &ComputePipelineDescriptor {
+                label: None,
+                layout: Some(layout),
+                module,
+                entry_point,
+                compilation_options: PipelineCompilationOptions::default(),
+                cache: None,
+            },
+        ));
+    };
+    let (vertex, vertex_entry) = of(Stage::Vertex);
+    let (fragment, fragment_entry) = of(Stage::Fragment);
+    let topology =
+        if points { PrimitiveTopology::PointList } else { PrimitiveTopology::TriangleList };
+    PipelineKind::Render(open.device.create_render_pipeline(&RenderPipelineDescriptor {
+        label: None,
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: vertex,
+            entry_point: vertex_entry,
+            compilation_options: PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: fragment,
+            entry_point: fragment_entry,
+            compilation_options: PipelineCompilationOptions::default(),
+            targets: &[Some(format(texel).into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    }))
+}
+
+/// The format of the image that is drawn into.
+pub(super) fn format(texel: Texel) -> TextureFormat {
+    match texel {
+        Texel::Float => TextureFormat::Rgba32Float,
+        Texel::Uint => TextureFormat::Rgba32Uint,
+    }
+}

@@ -1,0 +1,419 @@
+//! One job on one device: buffers filled, run, read back.
+
+use std::num::NonZeroU64;
+use std::time::Instant;
+
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
+    BufferDescriptor, BufferUsages, CommandEncoder, Extent3d, Features, MapMode, PollError,
+    PollType, Sampler, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
+    TextureView,
+};
+
+use super::device::Open;
+use super::pipeline::{Pipeline, PipelineKind, Pipelines, format};
+use super::timing::Timestamps;
+use crate::backend::devices::Limits;
+use crate::backend::limits::{exceeds, twice};
+use crate::backend::{Answer, Failure, Grid, Job, Resource, ResourceKind};
+
+/// Runs a job.
+pub(super) fn run(
+    open: &Open,
+    pipelines: &mut Pipelines,
+    limits: &Limits,
+    job: &Job,
+    timestamps: Option<&Timestamps>,
+) -> Result<Answer, Failure> {
+    let begun = Instant::now();
+    open.alive()?;
+    check(open, limits, job)?;
+    let pipeline = pipelines.get(open, job)?;
+    let (things, back) = open.hear("the job", || {
+        let things: Vec<Thing> = job.resources.iter().map(|r| Thing::new(open, r)).collect();
+        let groups = bind(open, &pipeline, &job.resources, &things);
+        let mut encoder = open.device.create_command_encoder(&Default::default());
+        let image = record(open, &mut encoder, &pipeline, &groups, job, timestamps);
+        let back = Back::record(open, &mut encoder, &things, image.as_ref());
+        timestamps.into_iter().for_each(|timestamps| timestamps.record(&mut encoder));
+        open.queue.submit([encoder.finish()]);
+        back.map();
+        timestamps.into_iter().for_each(Timestamps::map);
+        Ok((things, back))
+    })?;
+    let left = job.limit.saturating_sub(begun.elapsed());
+    let waited = open.device.poll(PollType::Wait { submission_index: None, timeout: Some(left) });
+    match waited {
+        Ok(_) => {}
+        Err(PollError::Timeout) => return Err(Failure::timed_out(job.limit)),
+        Err(cause @ PollError::WrongSubmissionIndex(..)) => {
+            return Err(Failure::died("the device does not know the job", cause.to_string()));
+        }
+    }
+    open.alive()?;
+    back.read(&things)
+}
+
+/// What can be said against the job before anything is made of it.
+fn check(open: &Open, limits: &Limits, job: &Job) -> Result<(), Failure> {
+    for (at, resource) in job.resources.iter().enumerate() {
+        let before = &job.resources[..at];
+        let Resource { name, group, binding, kind } = resource;
+        let pushes = |r: &Resource| matches!(r.kind, ResourceKind::PushConstant(_));
+        let placed = |r: &Resource| !pushes(r) && !matches!(r.kind, ResourceKind::Loose(_));
+        if pushes(resource) {
+            if before.iter().any(pushes) {
+                return Err(twice("the push constants"));
+            }
+        } else if placed(resource) {
+            let here = |r: &&Resource| placed(r) && (r.group, r.binding) == (*group, *binding);
+            if let Some(other) = before.iter().find(here) {
+                let place =
+                    format!("group {group}, binding {binding} (`{}`, `{name}`)", other.name);
+                return Err(twice(&place));
+            }
+        }
+        let some = |bytes: &[u8]| match bytes {
+            [] => Err(Failure::refused(format!("the block `{name}` has no bytes to bind"), "")),
+            _ => Ok(()),
+        };
+        let within = |what: &str, bytes: &[u8], limit| {
+            exceeds(&format!("the {what} `{name}`"), bytes.len(), "bytes", limit)
+        };
+        match kind {
+            ResourceKind::Uniform(bytes) => {
+                some(bytes)?;
+                within("uniform block", bytes, limits.uniform_block_size)?;
+            }
+            ResourceKind::Storage { bytes, .. } => {
+                some(bytes)?;
+                within("storage block", bytes, limits.storage_block_size)?;
+            }
+            ResourceKind::PushConstant(bytes) => {
+                some(bytes)?;
+                if !open.device.features().contains(Features::IMMEDIATES) {
+                    let message = format!(
+                        "this adapter has no push constants, and `{name}` is a block of them"
+                    );
+                    return Err(Failure::refused(message, ""));
+                }
+                within("push constant block", bytes, limits.push_constant_size)?;
+            }
+            ResourceKind::Texture { width, height, texels } => {
+                let side = (*width).max(*height) as usize;
+                let what = format!("the texture `{name}`");
+                exceeds(&what, side, "texels a side", limits.image_side)?;
+                if texels.is_empty()
+                    || texels.len() as u64 != u64::from(*width) * u64::from(*height)
+                {
+                    let message = format!(
+                        "{what} is {width} by {height} texels, and {} are given",
+                        texels.len()
+                    );
+                    return Err(Failure::refused(message, ""));
+                }
+            }
+            ResourceKind::Sampler | ResourceKind::Loose(_) => {}
+        }
+    }
+    match job.grid {
+        Grid::Groups(groups) => groups.into_iter().try_for_each(|groups| {
+            exceeds("the dispatch", groups as usize, "workgroups one way", limits.workgroups)
+        }),
+        Grid::Image { width, height, .. } => {
+            exceeds("the image", width.max(height) as usize, "pixels a side", limits.image_side)
+        }
+        Grid::Points { count, .. } => {
+            exceeds("the row of points", count as usize, "pixels a side", limits.image_side)
+        }
+    }
+}
+
+/// A resource on the device.
+enum Thing {
+    /// A buffer, the bytes of it that are bound, and those that come back.
+    Buffer {
+        buffer: Buffer,
+        bound: u64,
+        back: Option<usize>,
+    },
+    Texture(TextureView),
+    Sampler(Sampler),
+    /// Immediates, and what wgpu does not know.
+    Unplaced,
+}
+
+impl Thing {
+    fn new(open: &Open, resource: &Resource) -> Thing {
+        match &resource.kind {
+            // A uniform buffer is bound as long as it is: longer would hide that the shader
+            // wants more than was laid out.
+            ResourceKind::Uniform(bytes) => {
+                let buffer = filled(open, bytes, BufferUsages::UNIFORM);
+                Thing::Buffer { buffer, bound: bytes.len() as u64, back: None }
+            }
+            // WebGPU binds storage buffers in words.
+            ResourceKind::Storage { bytes, writable } => {
+                let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+                let bound = bytes.len().next_multiple_of(4) as u64;
+                let back = writable.then_some(bytes.len());
+                Thing::Buffer { buffer: filled(open, bytes, usage), bound, back }
+            }
+            ResourceKind::PushConstant(_) | ResourceKind::Loose(_) => Thing::Unplaced,
+            ResourceKind::Texture { width, height, texels } => {
+                let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
+                let texture = image(open, (*width, *height), TextureFormat::Rgba32Float, usage);
+                open.queue.write_texture(
+                    texture.as_image_copy(),
+                    bytemuck::cast_slice(texels),
+                    wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(width * TEXEL),
+                        rows_per_image: None,
+                    },
+                    texture.size(),
+                );
+                Thing::Texture(texture.create_view(&Default::default()))
+            }
+            ResourceKind::Sampler => {
+                let repeat = wgpu::AddressMode::Repeat;
+                Thing::Sampler(open.device.create_sampler(&wgpu::SamplerDescriptor {
+                    address_mode_u: repeat,
+                    address_mode_v: repeat,
+                    address_mode_w: repeat,
+                    ..Default::default()
+                }))
+            }
+        }
+    }
+}
+
+/// Bytes of a texel of four 32-bit components.
+const TEXEL: u32 = 16;
+
+fn filled(open: &Open, bytes: &[u8], usage: BufferUsages) -> Buffer {
+    let mut padded = bytes.to_vec();
+    padded.resize(bytes.len().next_multiple_of(4), 0);
+    let size = padded.len() as u64;
+    let usage = usage | BufferUsages::COPY_DST;
+    let descriptor = BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+    let buffer = open.device.create_buffer(&descriptor);
+    open.queue.write_buffer(&buffer, 0, &padded);
+    buffer
+}
+
+fn image(
+    open: &Open,
+    (width, height): (u32, u32),
+    format: TextureFormat,
+    usage: TextureUsages,
+) -> Texture {
+    open.device.create_texture(&TextureDescriptor {
+        label: None,
+        size: Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+fn bind(
+    open: &Open,
+    pipeline: &Pipeline,
+    resources: &[Resource],
+    things: &[Thing],
+) -> Vec<Option<BindGroup>> {
+    let of_group = |group: usize| {
+        let here = resources.iter().zip(things);
+        let here = here.filter(move |(resource, _)| resource.group as usize == group);
+        let entries: Vec<BindGroupEntry<'_>> = here
+            .filter_map(|(resource, thing)| {
+                let resource_bound = match thing {
+                    Thing::Buffer { buffer, bound, .. } => {
+                        let size = NonZeroU64::new(*bound);
+                        BindingResource::Buffer(BufferBinding { buffer, offset: 0, size })
+                    }
+                    Thing::Texture(view) => BindingResource::TextureView(view),
+                    Thing::Sampler(sampler) => BindingResource::Sampler(sampler),
+                    Thing::Unplaced => return None,
+                };
+                Some(BindGroupEntry { binding: resource.binding, resource: resource_bound })
+            })
+            .collect();
+        entries
+    };
+    (0..)
+        .zip(&pipeline.groups)
+        .map(|(group, layout)| {
+            let layout = layout.as_ref()?;
+            let entries = of_group(group);
+            let descriptor = BindGroupDescriptor { label: None, layout, entries: &entries };
+            Some(open.device.create_bind_group(&descriptor))
+        })
+        .collect()
+}
+
+/// Writes down the one pass; an image that comes back is what it drew.
+fn record(
+    open: &Open,
+    encoder: &mut CommandEncoder,
+    pipeline: &Pipeline,
+    groups: &[Option<BindGroup>],
+    job: &Job,
+    timestamps: Option<&Timestamps>,
+) -> Option<Texture> {
+    let immediates = job.resources.iter().find_map(|resource| match &resource.kind {
+        ResourceKind::PushConstant(bytes) => {
+            let mut padded = bytes.clone();
+            padded.resize(bytes.len().next_multiple_of(4), 0);
+            Some(padded)
+        }
+        ResourceKind::Uniform(_)
+        | ResourceKind::Storage { .. }
+        | ResourceKind::Texture { .. }
+        | ResourceKind::Sampler
+        | ResourceKind::Loose(_) => None,
+    });
+    let (size, texel, vertices) = match job.grid {
+        Grid::Groups([x, y, z]) => {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: None,
+                timestamp_writes: timestamps.map(Timestamps::compute),
+            });
+            if let PipelineKind::Compute(pipeline) = &pipeline.kind {
+                pass.set_pipeline(pipeline);
+            }
+            for (index, group) in (0..).zip(groups) {
+                pass.set_bind_group(index, group.as_ref(), &[]);
+            }
+            if let Some(bytes) = &immediates {
+                pass.set_immediates(0, bytes);
+            }
+            pass.dispatch_workgroups(x, y, z);
+            return None;
+        }
+        Grid::Image { width, height, texel } => ((width, height), texel, 3),
+        Grid::Points { count, texel } => ((count, 1), texel, count),
+    };
+    let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
+    let target = image(open, size, format(texel), usage);
+    let view = target.create_view(&Default::default());
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        timestamp_writes: timestamps.map(Timestamps::render),
+        ..Default::default()
+    });
+    if let PipelineKind::Render(pipeline) = &pipeline.kind {
+        pass.set_pipeline(pipeline);
+    }
+    for (index, group) in (0..).zip(groups) {
+        pass.set_bind_group(index, group.as_ref(), &[]);
+    }
+    if let Some(bytes) = &immediates {
+        pass.set_immediates(0, bytes);
+    }
+    pass.draw(0..vertices, 0..1);
+    drop(pass);
+    Some(target)
+}
+
+/// The buffers in which the results come back.
+struct Back {
+    /// For each resource, its copy.
+    buffers: Vec<Option<Buffer>>,
+    /// The image, its rows apart by so many bytes, and its size.
+    image: Option<(Buffer, u32, (u32, u32))>,
+}
+
+impl Back {
+    fn record(
+        open: &Open,
+        encoder: &mut CommandEncoder,
+        things: &[Thing],
+        image: Option<&Texture>,
+    ) -> Back {
+        let room = |size| {
+            let usage = BufferUsages::COPY_DST | BufferUsages::MAP_READ;
+            let descriptor =
+                BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+            open.device.create_buffer(&descriptor)
+        };
+        let buffers = things.iter().map(|thing| match thing {
+            Thing::Buffer { buffer, bound, back: Some(_) } => {
+                let copy = room(*bound);
+                encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, *bound);
+                Some(copy)
+            }
+            Thing::Buffer { back: None, .. }
+            | Thing::Texture(_)
+            | Thing::Sampler(_)
+            | Thing::Unplaced => None,
+        });
+        let buffers = buffers.collect();
+        let image = image.map(|texture| {
+            let size = texture.size();
+            let stride = (size.width * TEXEL).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+            let copy = room(u64::from(stride) * u64::from(size.height));
+            let layout = wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(stride),
+                rows_per_image: None,
+            };
+            let to = wgpu::TexelCopyBufferInfo { buffer: &copy, layout };
+            encoder.copy_texture_to_buffer(texture.as_image_copy(), to, size);
+            (copy, stride, (size.width, size.height))
+        });
+        Back { buffers, image }
+    }
+
+    /// Asks for them to be readable once the job is done.
+    fn map(&self) {
+        let image = self.image.iter().map(|image| &image.0);
+        for buffer in self.buffers.iter().flatten().chain(image) {
+            // Whether it worked shows when the range is read.
+            buffer.map_async(MapMode::Read, .., |_| {});
+        }
+    }
+
+    fn read(&self, things: &[Thing]) -> Result<Answer, Failure> {
+        let bytes = |buffer: &Buffer| {
+            let range = buffer.get_mapped_range(..);
+            let unread = "the results cannot be read back";
+            range.map(|view| view.to_vec()).map_err(|e| Failure::died(unread, e.to_string()))
+        };
+        let mut buffers = Vec::with_capacity(things.len());
+        for (thing, copy) in things.iter().zip(&self.buffers) {
+            buffers.push(match (thing, copy) {
+                (Thing::Buffer { back: Some(length), .. }, Some(copy)) => {
+                    let mut bytes = bytes(copy)?;
+                    bytes.truncate(*length);
+                    Some(bytes)
+                }
+                _ => None,
+            });
+        }
+        let mut pixels = Vec::new();
+        if let Some((copy, stride, (width, _))) = &self.image {
+            for row in bytes(copy)?.chunks_exact(*stride as usize) {
+                let row = &row[..(width * TEXEL) as usize];
+                pixels.extend(row.chunks_exact(TEXEL as usize).map(|pixel| {
+                    [0, 4, 8, 12].map(|at| {
+                        u32::from_le_bytes([pixel[at], pixel[at + 1], pixel[at + 2], pixel[at + 3]])
+                    })
+                }));
+            }
+        }
+        Ok(Answer { buffers, pixels })
+    }
+}

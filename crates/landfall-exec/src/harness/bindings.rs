@@ -1,0 +1,143 @@
+//! What a module has bound when one of its functions or entry points runs: blocks filled from
+//! JSON, textures of one colour.
+//!
+//! Feeds [`call`](super::call) and [`coverage`](super::coverage).
+
+use serde_json::{Map, Value};
+
+use super::probe::plan::TAIL;
+use crate::backend::{Resource, ResourceKind};
+use landfall_ir::module::{HandleKind, Module, ModuleBlock};
+use landfall_layout::Diagnostic;
+use landfall_layout::buffer::{Buffer, Missing, encode};
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::shape::{AddressSpace, ArrayLen};
+
+/// What blocks hold: values as `landfall encode` takes them, by the block's name or its
+/// instance's; `Name[1]` for one buffer of an array of blocks.
+pub type Data = Map<String, Value>;
+
+/// White: what a texture is that nobody gave a colour.
+pub(super) const WHITE: [f32; 4] = [1.0; 4];
+
+/// The bytes of each block of the module; `other` makes those of one without values.
+pub(super) fn blocks(
+    module: &Module,
+    data: &Data,
+    other: impl Fn(&BlockLayout) -> Vec<u8>,
+) -> Result<Vec<Vec<u8>>, Box<Diagnostic>> {
+    let blocks = module.blocks();
+    for key in data.keys() {
+        if !blocks.iter().any(|block| means(key, block)) {
+            return Err(unknown(key, blocks));
+        }
+    }
+    let bytes = blocks.iter().map(|block| match given(data, block) {
+        Some((key, values)) => encode(&block.layout, values, Missing::Zero)
+            .map_err(|error| Box::new(finding(error.code(), format!("in `{key}`, {error}"), None))),
+        None => Ok(other(&block.layout)),
+    });
+    bytes.collect()
+}
+
+/// The values of a block, and the key they have.
+pub(super) fn given<'d>(data: &'d Data, block: &ModuleBlock) -> Option<(&'d String, &'d Value)> {
+    // One buffer of an array by its own name before all of them.
+    let exact = data.iter().find(|(key, _)| key.ends_with(']') && means(key, block));
+    exact.or_else(|| data.iter().find(|(key, _)| means(key, block)))
+}
+
+fn means(key: &str, block: &ModuleBlock) -> bool {
+    let (name, index) = match key.split_once('[') {
+        Some((name, rest)) => (name, rest.strip_suffix(']')),
+        None => (key, None),
+    };
+    let named = *block.layout.name == *name || block.layout.instance.as_deref() == Some(name);
+    let index = index.map(str::parse::<u32>);
+    named && index.is_none_or(|index| index.ok() == block.element)
+}
+
+fn unknown(key: &str, blocks: &[ModuleBlock]) -> Box<Diagnostic> {
+    let names = || blocks.iter().map(|block| &*block.layout.name).filter(|name| !name.is_empty());
+    let help = match landfall_layout::text::edit_distance::nearest(key, names()) {
+        Some(near) => Some(format!("did you mean `{near}`?")),
+        None => {
+            let mut all: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+            all.dedup();
+            (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
+        }
+    };
+    Box::new(finding("unknown-block", format!("no block named `{key}`"), help))
+}
+
+fn finding(code: &'static str, message: String, help: Option<String>) -> Diagnostic {
+    // What the error advises stands apart.
+    let (message, advice) = match message.split_once("\nhelp: ") {
+        Some((message, advice)) => (message.to_string(), Some(advice.to_string())),
+        None => (message, None),
+    };
+    Diagnostic::about(code, message, help.or(advice), "--data")
+}
+
+/// As many zeros as a block takes, a runtime-sized tail of a few elements.
+pub(super) fn zeros(block: &BlockLayout) -> Vec<u8> {
+    let has_tail = block.members.iter().any(|member| member.dims.contains(&ArrayLen::Runtime));
+    let buffer = match has_tail {
+        true => Buffer::with_tail(block, TAIL as usize),
+        false => Buffer::new(block),
+    };
+    buffer.map(Buffer::into_bytes).unwrap_or_default()
+}
+
+/// Everything the module has, bound where the module has it.
+pub(super) fn resources(
+    module: &Module,
+    bytes: Vec<Vec<u8>>,
+    writable: impl Fn(&BlockLayout) -> bool,
+    textures: &[(String, [f32; 4])],
+) -> Vec<Resource> {
+    let blocks = module.blocks().iter().zip(bytes).map(|(block, bytes)| Resource {
+        name: block.layout.name.to_string(),
+        group: block.group,
+        binding: block.binding,
+        kind: kind(&block.layout, bytes, writable(&block.layout)),
+    });
+    let handles = module.handles().iter().filter_map(|handle| {
+        let kind = match handle.kind {
+            HandleKind::Texture => texture(colour(textures, &handle.path)),
+            HandleKind::Sampler => ResourceKind::Sampler,
+            HandleKind::Image => return None,
+        };
+        let name = handle.path.clone();
+        Some(Resource { name, group: handle.group, binding: handle.binding, kind })
+    });
+    blocks.chain(handles).collect()
+}
+
+/// The buffer of a block of that space.
+pub(super) fn kind(block: &BlockLayout, mut bytes: Vec<u8>, writable: bool) -> ResourceKind {
+    // Drivers bind whole words.
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    match block.space {
+        AddressSpace::Storage => ResourceKind::Storage { bytes, writable },
+        AddressSpace::PushConstant => ResourceKind::PushConstant(bytes),
+        AddressSpace::Uniform
+        | AddressSpace::Default
+        | AddressSpace::BufferReference
+        | AddressSpace::ShaderRecord => ResourceKind::Uniform(bytes),
+    }
+}
+
+/// The colour a texture is given, if any, by its name or by that of the array it is in.
+pub(super) fn colour(textures: &[(String, [f32; 4])], path: &str) -> Option<[f32; 4]> {
+    let named = |name: &str| {
+        let rest = path.strip_prefix(name);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
+    };
+    textures.iter().find(|(name, _)| named(name)).map(|(_, colour)| *colour)
+}
+
+/// A texture of one texel, white if no colour is given.
+pub(super) fn texture(colour: Option<[f32; 4]>) -> ResourceKind {
+    ResourceKind::Texture { width: 1, height: 1, texels: vec![colour.unwrap_or(WHITE)] }
+}

@@ -1,0 +1,335 @@
+//! Calls one function of a shader, with arguments and block contents from JSON.
+//!
+//! Takes a shader's text; the evaluator runs the function in `f32` and `f64` side by side, and a
+//! driver, where one is asked, runs it too. Gives a [`CallReport`].
+
+mod arguments;
+mod caller;
+pub mod driven;
+mod driver;
+mod effects;
+mod find;
+mod globals;
+mod make;
+mod parameters;
+pub mod pure;
+mod reads;
+pub mod report;
+
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use self::caller::{Caller, CallerInput};
+use self::find::Found;
+pub use self::report::{CallReport, Given, GivenScalar};
+use super::verify;
+use crate::backend::{Failure, Reader};
+use crate::harness::bindings as bound;
+use crate::harness::bindings::Data;
+use crate::interp::{
+    Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, Words,
+};
+use landfall_ir::module::{Direction, HandleKind, ModuleHandle};
+use landfall_ir::{Module, reach};
+use landfall_layout::source::{Files, Source};
+use landfall_layout::{Diagnostic, Options};
+
+/// What is to be called, and with what.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The function: `phong`, or `phong(vec3, Light)` where several have the name.
+    pub function: String,
+    /// Its arguments by position.
+    pub arguments: Vec<Value>,
+    /// What blocks hold; the others are zero.
+    pub data: Data,
+    /// Colours of textures by name; the others are white.
+    pub textures: Vec<(String, [f32; 4])>,
+    /// Values of the shader's inputs by name; the others are zero.
+    pub inputs: Vec<(String, Value)>,
+    /// What the evaluator rounds floats to.
+    pub floats: Floats,
+    /// Who is not done by then has failed.
+    pub limit: Duration,
+}
+
+impl Default for Request {
+    fn default() -> Request {
+        Request {
+            function: String::new(),
+            arguments: Vec::new(),
+            data: Data::new(),
+            textures: Vec::new(),
+            inputs: Vec::new(),
+            floats: Floats::AsWritten,
+            limit: Duration::from_secs(20),
+        }
+    }
+}
+
+/// Why there is no answer, and the files its places are in.
+#[derive(Clone, Debug)]
+pub struct Refusal {
+    /// What is wrong with the shader, the request, or the run.
+    pub found: Vec<Diagnostic>,
+    /// The shader's files.
+    pub files: Files,
+}
+
+/// Calls a function: by the evaluator, and by a driver where `reader` is one.
+///
+/// # Errors
+/// A shader that does not run; a function or a block it does not have; arguments that do not
+/// fit; a run that did not end.
+pub fn call(
+    source: &Source,
+    options: &Options,
+    request: &Request,
+    reader: Option<&mut dyn Reader>,
+) -> Result<CallReport, Refusal> {
+    let options = &Options { gather: true, naga: false, ..options.clone() };
+    let module = Module::for_calls(source, options).map_err(|found| Refusal {
+        found,
+        files: landfall_layout::layout(source, options).files,
+    })?;
+    let refused =
+        |found: Box<Diagnostic>| Refusal { found: vec![*found], files: module.files().clone() };
+    let job = Job { source, options, request, module: &module };
+    job.run(reader).map_err(refused)
+}
+
+/// One call while it is made.
+struct Job<'a> {
+    source: &'a Source,
+    options: &'a Options,
+    request: &'a Request,
+    module: &'a Module,
+}
+
+/// What the evaluator gave.
+struct Evaluated {
+    called: Called,
+    /// Names of blocks it read that have no values.
+    blank: Vec<String>,
+    textured: bool,
+}
+
+impl Job<'_> {
+    fn run(&self, reader: Option<&mut dyn Reader>) -> Result<CallReport, Box<Diagnostic>> {
+        let Job { source, request, module, .. } = self;
+        let language = source.language;
+        let program = Program::new(module, &[]);
+        let given = &request.arguments;
+        let found = find::find(module, &program, &request.function, given, language)
+            .map_err(|misfit| self.misfit(misfit))?;
+        let caller = caller::caller(module, found.info.handle)
+            .map_err(|mut all| Box::new(all.swap_remove(0)))?;
+        let evaluated = self.evaluate(&caller, &found)?;
+        let mut notes = Vec::new();
+        match request.floats {
+            Floats::AsWritten => {}
+            Floats::Half => notes.push("every operation is rounded to f16".to_string()),
+            Floats::Mediump => notes.push("what is mediump or lowp is rounded to f16".to_string()),
+        }
+        let driver = reader.filter(|reader| reader.device().reader != "cpu");
+        let (device, answered) = match driver {
+            Some(reader) => {
+                let device = reader.device().clone();
+                let answered = driver::run(self.source, self.options, request, &found, reader)
+                    .map_err(|failure| failed(device.reader, &failure))?;
+                (device, Some(answered))
+            }
+            None => (Cpu::default().device().clone(), None),
+        };
+        let evaluated = match (evaluated, &answered) {
+            (Ok(evaluated), _) => Some(evaluated),
+            (Err(failure), None) => return Err(failed("cpu", &failure)),
+            (Err(failure), Some(_)) => {
+                notes.push(format!("there is no f64 to compare with: {}", failure.message));
+                None
+            }
+        };
+        if let Some(evaluated) = &evaluated {
+            self.assumed(evaluated, &mut notes);
+        }
+        self.assumed_inputs(&caller, &found, &mut notes);
+        let called = evaluated.as_ref().map(|evaluated| &evaluated.called);
+        let base = caller.inputs.len();
+        let first = |words: &Words| -> Vec<u64> { words.iter().map(|lanes| lanes[0]).collect() };
+        let answered = answered.as_ref();
+        let result = found.signature.result.as_ref().and_then(|ty| {
+            let numbers = called.map(|called| &called.result);
+            let own = numbers.map(|numbers| first(&numbers.words));
+            let words = answered.map(|answered| answered.result.clone()).or(own)?;
+            Some(Given::new(ty, language, &words, numbers))
+        });
+        let mut parameters = Vec::new();
+        for (at, parameter) in found.signature.parameters.iter().enumerate() {
+            if !parameter.returned {
+                continue;
+            }
+            let numbers = called.and_then(|called| called.returned.get(base + at)?.as_ref());
+            let own = numbers.map(|numbers| first(&numbers.words));
+            let words = answered.map(|answered| answered.parameters[at].clone()).or(own);
+            let Some(words) = words else { continue };
+            let way = found.info.parameters.get(at).map_or(Direction::InOut, |p| p.direction);
+            let given = Given::new(&parameter.ty, language, &words, numbers);
+            parameters.push((parameter.name.clone(), way, given));
+        }
+        let counts = called.map(|called| called.notes.counts.operations());
+        Ok(CallReport {
+            path: source.path.clone(),
+            function: find::shown(found.info),
+            reader: device,
+            result,
+            parameters,
+            discarded: called.is_some_and(|called| called.discarded.contains(&true)),
+            operations: counts,
+            undefined: called.map(|called| called.notes.undefined.clone()).unwrap_or_default(),
+            notes,
+            files: module.files().clone(),
+        })
+    }
+
+    /// Runs it in the evaluator. What is wrong with the request is an error; what is wrong with
+    /// the run may be left to a driver.
+    fn evaluate(
+        &self,
+        caller: &Caller,
+        found: &Found<'_>,
+    ) -> Result<Result<Evaluated, Failure>, Box<Diagnostic>> {
+        let Job { source, request, .. } = self;
+        let module = &caller.module;
+        let bytes = bound::blocks(module, &request.data, bound::zeros)?;
+        let files = module.files();
+        let writable = |block: &_| verify::access::writable(block, files, source.language);
+        let resources = bound::resources(module, bytes, writable, &request.textures);
+        let program = Program::rounded(module, &[], request.floats);
+        let number = module.ir.functions.len() - 1;
+        let signature = match program.signature(number) {
+            Ok(Some(signature)) => signature,
+            Ok(None) => return Ok(Err(Failure::refused("a parameter is no plain value", ""))),
+            Err(what) => {
+                let message = format!("the evaluator does not know {what}");
+                return Ok(Err(Failure::refused(message, "")));
+            }
+        };
+        let mut arguments = self.inputs(caller, &signature)?;
+        arguments.extend(found.arguments.iter().cloned());
+        let call = Call { function: caller::NAME, lanes: 1, arguments, resources: &resources };
+        let settings = Settings {
+            precision: Precision::Both,
+            watch: true,
+            deadline: Instant::now().checked_add(request.limit),
+            threads: 1,
+            ..Settings::default()
+        };
+        let called = match program.call(&call, &settings) {
+            Ok(called) => called,
+            Err(failure) => return Ok(Err(failure)),
+        };
+        let blocks = module.blocks().iter().zip(&called.notes.read);
+        let mut blank: Vec<String> = blocks
+            .filter(|(block, read)| {
+                read.contains(&true) && bound::given(&request.data, block).is_none()
+            })
+            .map(|(block, _)| block.layout.name.to_string())
+            .collect();
+        blank.dedup();
+        let textured = called.notes.counts.textures > 0;
+        Ok(Ok(Evaluated { called, blank, textured }))
+    }
+
+    /// The values of the shader's inputs.
+    fn inputs(
+        &self,
+        caller: &Caller,
+        signature: &FunctionSignature,
+    ) -> Result<Vec<Words>, Box<Diagnostic>> {
+        let known: Vec<&String> = caller.inputs.iter().map(|input| &input.name).collect();
+        if let Some((name, _)) = self.request.inputs.iter().find(|(name, _)| !known.contains(&name))
+        {
+            let all: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
+            return Err(Box::new(Diagnostic::about(
+                "unknown-input",
+                format!("the shader reads no input `{name}`"),
+                (!all.is_empty()).then(|| format!("it reads {}", all.join(", "))),
+                "--input",
+            )));
+        }
+        let language = self.source.language;
+        let each = known.iter().zip(&signature.parameters).map(|(name, parameter)| {
+            let given = self.request.inputs.iter().find(|(given, _)| given == *name);
+            let mut words = Vec::new();
+            match given {
+                Some((_, value)) => {
+                    arguments::words(&parameter.ty, value, name, language, &mut words).map_err(
+                        |m| Box::new(Diagnostic::about(m.code, m.message, m.help, "--input")),
+                    )?;
+                }
+                None => words.resize(parameter.ty.scalars().len(), 0),
+            }
+            Ok(words.into_iter().map(|word| vec![word]).collect())
+        });
+        each.collect()
+    }
+
+    /// What was taken for what nobody gave.
+    fn assumed(&self, evaluated: &Evaluated, notes: &mut Vec<String>) {
+        for name in &evaluated.blank {
+            notes.push(format!("it reads `{name}`, which is zero: --data gives it values"));
+        }
+        if evaluated.textured {
+            notes.extend(white(self.module.handles(), &self.request.textures));
+        }
+    }
+
+    fn assumed_inputs(&self, caller: &Caller, found: &Found<'_>, notes: &mut Vec<String>) {
+        let ir = &caller.module.ir;
+        let mut reached = reach::variables(ir, &ir.functions[found.info.handle]);
+        effects::through_initialisers(ir, &ir.functions[caller.handle], &mut reached);
+        let is_read = |input: &&CallerInput| input.variable.is_some_and(|v| reached.contains(&v));
+        let mut names: Vec<&str> =
+            caller.inputs.iter().filter(is_read).map(|input| input.name.as_str()).collect();
+        names.retain(|name| !self.request.inputs.iter().any(|(given, _)| given == name));
+        if names.is_empty() {
+            return;
+        }
+        let (list, are) = (names.join("`, `"), if names.len() > 1 { "are" } else { "is" });
+        notes.push(format!("it reads `{list}`, which {are} zero: --input gives values"));
+    }
+
+    fn misfit(&self, misfit: arguments::Misfit) -> Box<Diagnostic> {
+        let about = match misfit.code {
+            "unknown-function" | "ambiguous-function" | "cannot-call" => self.source.path.as_str(),
+            _ => "--args",
+        };
+        Box::new(Diagnostic::about(misfit.code, misfit.message, misfit.help, about))
+    }
+}
+
+/// What to say of textures that have no colour.
+fn white<'h>(
+    handles: impl IntoIterator<Item = &'h ModuleHandle>,
+    textures: &[(String, [f32; 4])],
+) -> Option<String> {
+    let handles = handles.into_iter().filter(|handle| match handle.kind {
+        HandleKind::Texture => true,
+        HandleKind::Sampler | HandleKind::Image => false,
+    });
+    let paths = handles.map(|handle| handle.path.as_str());
+    let mut white: Vec<&str> =
+        paths.filter(|path| bound::colour(textures, path).is_none()).collect();
+    white.dedup();
+    let (names, are) = (white.join("`, `"), if white.len() > 1 { "are" } else { "is" });
+    (!white.is_empty()).then(|| format!("`{names}` {are} white: --texture gives a colour"))
+}
+
+fn failed(reader: &str, failure: &Failure) -> Box<Diagnostic> {
+    let message = format!("{reader}: {}", failure.message);
+    let mut found = Diagnostic::about("cannot-run", message, None, "");
+    found.path = None;
+    found.notes = failure.log.lines().take(6).map(str::to_string).collect();
+    Box::new(found)
+}

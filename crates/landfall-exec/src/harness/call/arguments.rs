@@ -1,0 +1,265 @@
+//! Arguments in JSON, as the words the evaluator and the drivers take.
+//!
+//! Numbers are numbers, bools `true` and `false`, vectors arrays, matrices arrays of columns,
+//! structures objects by member; what JSON has no number for is `"nan"`, `"inf"`, `"-inf"`.
+
+use serde_json::Value;
+
+use crate::interp::ValueType;
+pub use landfall_layout::buffer::{Unfit, bits, kind};
+use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
+use landfall_layout::source::Language;
+
+/// What does not fit, and where in the JSON: `args[1].color[2]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Misfit {
+    pub code: &'static str,
+    pub message: String,
+    pub help: Option<String>,
+}
+
+impl Misfit {
+    pub fn with_help(mut self, help: &str) -> Misfit {
+        self.help = Some(help.to_string());
+        self
+    }
+}
+
+/// Appends the words of a value, one a scalar: 32-bit bits, or 64.
+pub(super) fn words(
+    ty: &ValueType,
+    value: &Value,
+    at: &str,
+    language: Language,
+    to: &mut Vec<u64>,
+) -> Result<(), Misfit> {
+    match ty {
+        ValueType::Scalar(scalar) => {
+            to.push(word(*scalar, value, at, language)?);
+            Ok(())
+        }
+        ValueType::Vector { scalar, rows } => {
+            let wanted = format!("an array of {rows} numbers");
+            let items = list(ty, value, usize::from(*rows), &wanted, at, language)?;
+            each(&ValueType::Scalar(*scalar), items, at, language, to)
+        }
+        ValueType::Matrix { scalar, columns, rows } => {
+            let wanted = format!("an array of {columns} columns of {rows} numbers");
+            let items = list(ty, value, usize::from(*columns), &wanted, at, language)?;
+            each(&ValueType::Vector { scalar: *scalar, rows: *rows }, items, at, language, to)
+        }
+        ValueType::Array { element, len } => {
+            let wanted = format!("an array of {len}");
+            let items = list(ty, value, *len as usize, &wanted, at, language)?;
+            each(element, items, at, language, to)
+        }
+        ValueType::Struct { members, .. } => {
+            let Value::Object(map) = value else {
+                return Err(wrong(ty, "an object of its members", value, at, language));
+            };
+            for (name, ty) in members {
+                let Some(value) = map.get(name) else {
+                    return Err(Misfit {
+                        code: "missing-member",
+                        message: format!("`{at}.{name}` is not given"),
+                        help: Some(format!("it is a `{}`", spelled(ty, language))),
+                    });
+                };
+                words(ty, value, &format!("{at}.{name}"), language, to)?;
+            }
+            let known = |key: &str| members.iter().any(|(name, _)| name == key);
+            match map.keys().find(|key| !known(key)) {
+                None => Ok(()),
+                Some(key) => {
+                    let names = || members.iter().map(|(name, _)| name.as_str());
+                    let near = landfall_layout::text::edit_distance::nearest(key, names());
+                    let all: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+                    Err(Misfit {
+                        code: "unknown-member",
+                        message: format!(
+                            "`{at}.{key}`: `{}` has no member `{key}`",
+                            spelled(ty, language)
+                        ),
+                        help: Some(match near {
+                            Some(near) => format!("did you mean `{near}`?"),
+                            None => format!("its members are {}", all.join(", ")),
+                        }),
+                    })
+                }
+            }
+        }
+    }
+}
+
+fn each(
+    ty: &ValueType,
+    items: &[Value],
+    at: &str,
+    language: Language,
+    to: &mut Vec<u64>,
+) -> Result<(), Misfit> {
+    for (index, item) in items.iter().enumerate() {
+        words(ty, item, &format!("{at}[{index}]"), language, to)?;
+    }
+    Ok(())
+}
+
+fn list<'v>(
+    ty: &ValueType,
+    value: &'v Value,
+    len: usize,
+    wanted: &str,
+    at: &str,
+    language: Language,
+) -> Result<&'v [Value], Misfit> {
+    match value {
+        Value::Array(items) if items.len() == len => Ok(items),
+        _ => Err(wrong(ty, wanted, value, at, language)),
+    }
+}
+
+fn wrong(ty: &ValueType, wanted: &str, value: &Value, at: &str, language: Language) -> Misfit {
+    Misfit {
+        code: "wrong-value",
+        message: format!("`{at}`: `{}` wants {wanted}, not {}", spelled(ty, language), kind(value)),
+        help: None,
+    }
+}
+
+fn word(scalar: Scalar, value: &Value, at: &str, language: Language) -> Result<u64, Misfit> {
+    bits(held_as(scalar), value).map_err(|unfit| match unfit {
+        Unfit::Kind(wanted) => wrong(&ValueType::Scalar(scalar), wanted, value, at, language),
+        Unfit::Range => Misfit {
+            code: "value-out-of-range",
+            message: format!(
+                "`{at}`: {} does not fit `{}`",
+                kind(value),
+                spelled(&ValueType::Scalar(scalar), language)
+            ),
+            help: None,
+        },
+    })
+}
+
+/// The format a scalar's word is in: the evaluator holds every small float as an `f32`.
+pub(super) fn held_as(scalar: Scalar) -> Scalar {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 8) => Scalar::F64,
+        (
+            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
+            _,
+        ) => Scalar::F32,
+        (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => scalar,
+    }
+}
+
+/// A type as its language spells it.
+pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
+    match ty {
+        ValueType::Struct { name, .. } => name.clone(),
+        ValueType::Scalar(_)
+        | ValueType::Vector { .. }
+        | ValueType::Matrix { .. }
+        | ValueType::Array { .. } => match (plain(ty), ty, language) {
+            (Some(plain), _, _) => plain.spelled(language).to_string(),
+            (None, ValueType::Array { element, len }, Language::Wgsl) => {
+                format!("array<{}, {len}>", spelled(element, language))
+            }
+            (None, ValueType::Array { element, len }, Language::Glsl) => {
+                let element = spelled(element, language);
+                let at = element.find('[').unwrap_or(element.len());
+                format!("{}[{len}]{}", &element[..at], &element[at..])
+            }
+            (None, _, _) => String::new(),
+        },
+    }
+}
+
+/// The shape of a type without structures.
+fn plain(ty: &ValueType) -> Option<Type> {
+    Some(match ty {
+        ValueType::Scalar(scalar) => Type::Scalar(*scalar),
+        ValueType::Vector { scalar, rows } => Type::Vector { scalar: *scalar, rows: *rows },
+        ValueType::Matrix { scalar, columns, rows } => {
+            Type::Matrix { scalar: *scalar, columns: *columns, rows: *rows }
+        }
+        ValueType::Array { element, len } => {
+            Type::Array { element: plain(element)?.into(), len: ArrayLen::Fixed(*len) }
+        }
+        ValueType::Struct { .. } => return None,
+    })
+}
+
+/// The way to each scalar of a type, in the order of its words: `.color.x`, `[1].y`.
+pub(super) fn paths(ty: &ValueType) -> Vec<String> {
+    let mut all = Vec::new();
+    push_paths(ty, String::new(), &mut all);
+    all
+}
+
+fn push_paths(ty: &ValueType, at: String, all: &mut Vec<String>) {
+    const ROWS: [&str; 4] = ["x", "y", "z", "w"];
+    match ty {
+        ValueType::Scalar(_) => all.push(at),
+        ValueType::Vector { rows, .. } => {
+            all.extend(ROWS[..usize::from(*rows).min(4)].iter().map(|row| format!("{at}.{row}")));
+        }
+        ValueType::Matrix { scalar, columns, rows } => {
+            let column = ValueType::Vector { scalar: *scalar, rows: *rows };
+            (0..*columns).for_each(|index| push_paths(&column, format!("{at}[{index}]"), all));
+        }
+        ValueType::Array { element, len } => {
+            (0..*len).for_each(|index| push_paths(element, format!("{at}[{index}]"), all));
+        }
+        ValueType::Struct { members, .. } => {
+            members.iter().for_each(|(name, ty)| push_paths(ty, format!("{at}.{name}"), all));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light() -> ValueType {
+        let vec3 = ValueType::Vector { scalar: Scalar::F32, rows: 3 };
+        ValueType::Struct {
+            name: "Light".to_string(),
+            members: vec![
+                ("color".to_string(), vec3),
+                ("on".to_string(), ValueType::Scalar(Scalar::BOOL)),
+            ],
+        }
+    }
+
+    fn read(json: &str) -> Result<Vec<u64>, String> {
+        let mut to = Vec::new();
+        let value = landfall_layout::buffer::read_json(json).expect("it is JSON");
+        let read = words(&light(), &value, "args[1]", Language::Glsl, &mut to);
+        read.map(|()| to).map_err(|misfit| misfit.message)
+    }
+
+    #[test]
+    fn a_structure_is_an_object_of_its_members() {
+        let inf = u64::from(f32::INFINITY.to_bits());
+        let one = u64::from(1f32.to_bits());
+        let quiet = 0x7fc0_0000;
+        let read = read(r#"{"on": true, "color": [1, "-inf", "nan"]}"#);
+        assert_eq!(read, Ok(vec![one, inf | 1 << 31, quiet, 1]));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_said_with_its_place() {
+        for (json, message) in [
+            (r#"{"color": [1, 2, "x"], "on": true}"#, "`args[1].color[2]`: `float` wants a number"),
+            (r#"{"color": [1, 2, 1e39], "on": true}"#, "`args[1].color[2]`: 1e+39 does not fit"),
+            (r#"{"color": [1, 2], "on": true}"#, "`args[1].color`: `vec3` wants an array of 3"),
+            (r#"{"color": [1, 2, 3]}"#, "`args[1].on` is not given"),
+            (r#"{"color": [1, 2, 3], "on": 1, "off": 2}"#, "`args[1].off`: `Light` has no member"),
+            ("7", "`args[1]`: `Light` wants an object of its members, not 7"),
+        ] {
+            let found = read(json).expect_err(json);
+            assert!(found.starts_with(message), "{found}");
+        }
+    }
+}

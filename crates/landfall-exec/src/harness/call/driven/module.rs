@@ -1,0 +1,281 @@
+//! A function in naga's IR with an entry point that calls it once a lane, for wgpu and the
+//! evaluator.
+//!
+//! Compute, or a fragment stage where the function does what only those may (discards, samples
+//! by differences between neighbours) or reads very much.
+
+use std::sync::Arc;
+
+use naga::{
+    AddressSpace, ArraySize, BinaryOperator, Binding, BuiltIn, EntryPoint, Expression, Function,
+    FunctionArgument, GlobalVariable, Handle, ResourceBinding, Scalar, ScalarKind, ShaderStage,
+    Span, Statement, StorageAccess, Type, TypeInner, VectorSize,
+};
+
+use super::builder::{At, Builder};
+use super::words::Places;
+use super::{Code, Lanes, ROW, buffer, refused};
+use crate::backend::{Failure, Resource, ResourceKind, StageCode};
+use crate::harness::call::pure::{Asks, Pure, Slot};
+use landfall_ir::Module;
+use landfall_layout::Diagnostic;
+use landfall_layout::source::Stage;
+
+/// The new entry point.
+const ENTRY: &str = "landfall_main";
+/// The buffers' names.
+const INPUTS: &str = "landfall_in";
+const OUTPUTS: &str = "landfall_out";
+
+/// Words of a lane from which on a fragment stage comes first: llvmpipe (Mesa 22.3.6) compiles
+/// compute shaders as coroutines, and takes LLVM the longer the more words a lane has.
+const LARGE: u32 = 128;
+
+/// Invocations of a workgroup.
+const GROUP: u32 = 64;
+
+/// Invocations of a workgroup: a function that is called once may do what others see.
+fn invocations(pure: &Pure) -> u32 {
+    match pure.asks {
+        Asks::Pure => GROUP,
+        Asks::Call => 1,
+    }
+}
+
+/// What runs a function.
+pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
+    let bindings = pure.module.free_places();
+    let compute = (Stage::Compute, ShaderStage::Compute);
+    let fragment = (Stage::Fragment, ShaderStage::Fragment);
+    let [first, second] = match places.words_in > LARGE {
+        false => [compute, fragment],
+        true => [fragment, compute],
+    };
+    let at = |(stage, entry)| made(pure, places, bindings, entry).map(|module| (stage, module));
+    let made = at(first).or_else(|found| at(second).map_err(|_| found));
+    let (stage, module) = made.map_err(|found| refused(found.first()))?;
+    // What became variables of a lane is not bound, and its place may be taken.
+    let has = |module: &Module, resource: &Resource| {
+        let place = Some(ResourceBinding { group: resource.group, binding: resource.binding });
+        let pushed = matches!(resource.kind, ResourceKind::PushConstant(_));
+        module.ir.global_variables.iter().any(|(_, global)| {
+            if pushed { global.space == AddressSpace::Immediate } else { global.binding == place }
+        })
+    };
+    let bound = |resource: &&Resource| has(&pure.module, resource) && has(&module, resource);
+    Ok(Code {
+        resources: pure.resources.iter().filter(bound).cloned().collect(),
+        stages: vec![StageCode {
+            stage,
+            entry: ENTRY.to_string(),
+            module: Some(Arc::new(module)),
+            glsl: None,
+            spirv: None,
+        }],
+        buffers: [buffer(INPUTS, bindings[0]), buffer(OUTPUTS, bindings[1])],
+        lanes: match stage {
+            Stage::Fragment => Lanes::pixels(pure)?,
+            _ => Lanes::Groups(invocations(pure)),
+        },
+    })
+}
+
+/// The module with nothing in it but what a lane runs.
+fn made(
+    pure: &Pure,
+    places: &Places,
+    bindings: [(u32, u32); 2],
+    stage: ShaderStage,
+) -> Result<Module, Vec<Diagnostic>> {
+    let mut ir = pure.module.ir.clone();
+    let uint = Type { name: None, inner: TypeInner::Scalar(Scalar::U32) };
+    let uint = ir.types.insert(uint, Span::UNDEFINED);
+    let words = TypeInner::Array { base: uint, size: ArraySize::Dynamic, stride: 4 };
+    let words = ir.types.insert(Type { name: None, inner: words }, Span::UNDEFINED);
+    let mut variable = |name: &str, (group, binding): (u32, u32), access| {
+        let global = GlobalVariable {
+            name: Some(name.to_string()),
+            space: AddressSpace::Storage { access },
+            binding: Some(ResourceBinding { group, binding }),
+            ty: words,
+            init: None,
+            memory_decorations: naga::MemoryDecorations::empty(),
+        };
+        ir.global_variables.append(global, Span::UNDEFINED)
+    };
+    let inputs = variable(INPUTS, bindings[0], StorageAccess::LOAD);
+    let outputs = variable(OUTPUTS, bindings[1], StorageAccess::LOAD | StorageAccess::STORE);
+    let function = entry(pure, places, &mut ir, [inputs, outputs], stage);
+    let function = function.ok_or_else(|| {
+        let message = "a parameter or result is no plain value";
+        vec![Diagnostic::error("cannot-run", landfall_layout::Span::default(), message)]
+    })?;
+    let compute = stage == ShaderStage::Compute;
+    ir.entry_points = vec![EntryPoint {
+        name: ENTRY.to_string(),
+        stage,
+        early_depth_test: None,
+        workgroup_size: if compute { [invocations(pure), 1, 1] } else { [0; 3] },
+        workgroup_size_overrides: None,
+        function,
+        mesh_info: None,
+        task_payload: None,
+        incoming_ray_payload: None,
+    }];
+    let whole = Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()?;
+    let mut ir = whole.ir;
+    naga::compact::compact(&mut ir, naga::compact::KeepUnused::No);
+    Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()
+}
+
+/// Reads the words of a lane, calls the function, writes what it gave.
+fn entry(
+    pure: &Pure,
+    places: &Places,
+    ir: &mut naga::Module,
+    [inputs, outputs]: [Handle<GlobalVariable>; 2],
+    stage: ShaderStage,
+) -> Option<Function> {
+    let (caller, parameters, result) = {
+        let (handle, caller) = ir.functions.iter().last()?;
+        let types: Vec<Handle<Type>> = caller.arguments.iter().map(|a| a.ty).collect();
+        (handle, types, caller.result.as_ref().map(|result| result.ty))
+    };
+    let blocks = blocks_apart(pure, &mut ir.functions[caller]);
+    let mut new = Builder::new(&mut ir.types);
+    let lane = match pure.asks {
+        Asks::Pure => lane(&mut new, stage),
+        // However many pixels run for the sake of derivatives.
+        Asks::Call => new.number(0),
+    };
+    let from = new.number(places.words_in);
+    let to = new.number(places.words_out);
+    let [inputs, outputs] = [inputs, outputs].map(|v| new.given(Expression::GlobalVariable(v)));
+    new.count_by_length(outputs);
+    let base = new.binary(BinaryOperator::Multiply, lane, from);
+    let from = At { buffer: inputs, base, offset: 0 };
+    let base = new.binary(BinaryOperator::Multiply, lane, to);
+    let to = At { buffer: outputs, base, offset: 0 };
+    let mut arguments = Vec::with_capacity(parameters.len());
+    for (nth, (ty, slot)) in parameters.iter().zip(&pure.slots).enumerate() {
+        if let Some((_, block)) = blocks.iter().find(|(at, _)| *at == nth) {
+            let pointer = new.given(Expression::GlobalVariable(*block));
+            new.load_into(pointer, *ty, At { offset: places.slot(slot)?, ..from })?;
+            arguments.push(None);
+            continue;
+        }
+        let pointed = match new.types[*ty].inner {
+            TypeInner::Pointer { base, .. } => Some(base),
+            _ => None,
+        };
+        let first = match (places.slot(slot), slot) {
+            (Some(first), _) => Some(At { offset: first, ..from }),
+            (None, Slot::Given(_) | Slot::Zero(_) | Slot::Out) => None,
+        };
+        arguments.push(Some(match (pointed, first) {
+            (None, Some(at)) => new.load(*ty, at)?,
+            (None, None) => new.given(Expression::ZeroValue(*ty)),
+            (Some(ty), Some(at)) => {
+                let pointer = new.local(ty);
+                new.load_into(pointer, ty, at)?;
+                pointer
+            }
+            // Variables of functions begin as zeros.
+            (Some(ty), None) => new.local(ty),
+        }));
+    }
+    let returned = result.map(|ty| (new.call_result(caller), ty));
+    let call = Statement::Call {
+        function: caller,
+        arguments: arguments.iter().copied().flatten().collect(),
+        result: returned.map(|(value, _)| value),
+    };
+    new.statement(call);
+    for (result, first) in pure.results.iter().zip(&places.results) {
+        let to = At { offset: *first, ..to };
+        match result.at {
+            None => {
+                let (value, ty) = returned?;
+                new.store(ty, value, to)?;
+            }
+            Some(at) => {
+                let TypeInner::Pointer { base, .. } = new.types[parameters[at]].inner else {
+                    return None;
+                };
+                new.store_from(arguments[at]?, base, to)?;
+            }
+        }
+    }
+    let one = new.number(1);
+    new.put(one, At { offset: places.done, ..to });
+    new.statement(Statement::Return { value: None });
+    let mut function = new.finish();
+    function.name = Some(ENTRY.to_string());
+    Some(function)
+}
+
+/// Takes the blocks out of the caller's parameters: which they were, and their variables, which
+/// are to be filled before the call.
+fn blocks_apart(pure: &Pure, caller: &mut Function) -> Vec<(usize, Handle<GlobalVariable>)> {
+    let first = pure.inputs.len() + pure.info.parameters.len();
+    let given = pure.slots.iter().skip(first).take_while(|slot| matches!(slot, Slot::Given(_)));
+    let range = first..first + given.count();
+    let mut blocks = Vec::new();
+    let mut body = naga::Block::new();
+    for (statement, span) in std::mem::take(&mut caller.body).span_iter() {
+        if let Statement::Store { pointer, value } = statement {
+            let expressions = (&caller.expressions[*pointer], &caller.expressions[*value]);
+            if let (Expression::GlobalVariable(block), Expression::FunctionArgument(at)) =
+                expressions
+            {
+                if range.contains(&(*at as usize)) {
+                    blocks.push((*at as usize, *block));
+                    continue;
+                }
+            }
+        }
+        body.push(statement.clone(), *span);
+    }
+    caller.body = body;
+    caller.arguments.drain(range.clone());
+    for (_, expression) in caller.expressions.iter_mut() {
+        let Expression::FunctionArgument(at) = expression else { continue };
+        if range.contains(&(*at as usize)) {
+            // Nobody reads it any more.
+            *expression = Expression::Literal(naga::Literal::U32(0));
+        } else if *at as usize >= range.end {
+            *at -= range.len() as u32;
+        }
+    }
+    blocks
+}
+
+/// The number of the lane that runs.
+fn lane(new: &mut Builder<'_>, stage: ShaderStage) -> Handle<Expression> {
+    let compute = stage == ShaderStage::Compute;
+    let (inner, builtin) = match compute {
+        true => (
+            TypeInner::Vector { size: VectorSize::Tri, scalar: Scalar::U32 },
+            BuiltIn::GlobalInvocationId,
+        ),
+        false => (
+            TypeInner::Vector { size: VectorSize::Quad, scalar: Scalar::F32 },
+            BuiltIn::Position { invariant: false },
+        ),
+    };
+    let ty = new.ty(inner);
+    let binding = Some(Binding::BuiltIn(builtin));
+    new.function.arguments.push(FunctionArgument { name: None, ty, binding });
+    let place = new.given(Expression::FunctionArgument(0));
+    let x = new.index(place, 0);
+    if compute {
+        return x;
+    }
+    let whole = |expr| Expression::As { expr, kind: ScalarKind::Uint, convert: Some(4) };
+    let x = new.computed(whole(x));
+    let y = new.index(place, 1);
+    let y = new.computed(whole(y));
+    let row = new.number(ROW);
+    let before = new.binary(BinaryOperator::Multiply, y, row);
+    new.binary(BinaryOperator::Add, before, x)
+}

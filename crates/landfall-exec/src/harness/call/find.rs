@@ -1,0 +1,250 @@
+//! Which function is meant: by its name, by its name and types, or by what the arguments fit.
+
+use serde_json::Value;
+
+use super::arguments::{Misfit, words};
+use crate::interp::{FunctionSignature, Program, Words};
+use landfall_ir::Module;
+use landfall_ir::module::{Direction, FunctionInfo, LeftOut, Parameter};
+use landfall_layout::source::{Language, Span};
+
+/// The function that is meant, and its arguments as words.
+#[derive(Debug)]
+pub struct Found<'m> {
+    pub info: &'m FunctionInfo,
+    pub signature: FunctionSignature,
+    /// By parameter; empty for one that is `out`.
+    pub arguments: Vec<Words>,
+}
+
+/// Finds it among the functions of a module.
+pub(super) fn find<'m>(
+    module: &'m Module,
+    program: &Program,
+    meant: &str,
+    arguments: &[Value],
+    language: Language,
+) -> Result<Found<'m>, Misfit> {
+    let Meant { name, named, fitting } = Meant::of(module, meant);
+    if named.is_empty() {
+        return Err(unknown(module, name));
+    }
+    let mut wrong = None;
+    let mut found = Vec::new();
+    for info in &fitting {
+        match taken(program, info, arguments, language) {
+            Ok(taken) => found.push(taken),
+            // Of several, the one of as many parameters says best what is wrong.
+            Err(misfit) if wrong.is_none() || misfit.code != "wrong-count" => wrong = Some(misfit),
+            Err(_) => {}
+        }
+    }
+    match (found.len(), wrong) {
+        (1, _) => Ok(found.swap_remove(0)),
+        (0, Some(misfit)) if fitting.len() == 1 => Err(misfit),
+        (0, Some(misfit)) => Err(Misfit {
+            code: "no-overload",
+            message: format!("no `{name}` takes these arguments: {}", misfit.message),
+            help: Some(format!("there is {}", all_of(&named))),
+        }),
+        (0, None) => Err(no_such_parameters(name, &named)),
+        (_, _) => Err(Misfit {
+            code: "ambiguous-function",
+            message: format!("{} functions `{name}` take these arguments", found.len()),
+            help: Some(format!("say which with its types: {}", all_of(&named))),
+        }),
+    }
+}
+
+/// The arguments as a function takes them.
+fn taken<'m>(
+    program: &Program,
+    info: &'m FunctionInfo,
+    given: &[Value],
+    language: Language,
+) -> Result<Found<'m>, Misfit> {
+    let cannot = |message: String| Misfit { code: "cannot-call", message, help: None };
+    let signature = program.signature(info.handle.index()).map_err(|what| {
+        let shown = shown(info);
+        cannot(format!("`{shown}` cannot be called: the evaluator does not know {what}"))
+    })?;
+    let Some(signature) = signature else {
+        let (shown, which) = (shown(info), opaque(info));
+        return Err(cannot(format!("`{shown}` cannot be called: {which}"))
+            .with_help("call the function that calls it"));
+    };
+    let is_out =
+        |at: &usize| info.parameters.get(*at).is_some_and(|p| p.direction == Direction::Out);
+    let all = signature.parameters.len();
+    let outs = (0..all).filter(is_out).count();
+    let mut given: Vec<Option<&Value>> = given.iter().map(Some).collect();
+    if given.len() == all - outs && outs > 0 {
+        // Those that are only `out` were left out.
+        (0..all).filter(is_out).for_each(|at| given.insert(at, None));
+    }
+    if given.len() != all {
+        return Err(Misfit {
+            code: "wrong-count",
+            message: format!(
+                "`{}` takes {}, and {} given",
+                shown(info),
+                match all {
+                    1 => "1 argument".to_string(),
+                    _ => format!("{all} arguments"),
+                },
+                match given.len() {
+                    0 => "none is".to_string(),
+                    1 => "1 is".to_string(),
+                    given => format!("{given} are"),
+                }
+            ),
+            help: Some(format!("it is `{}`", declared(info))),
+        });
+    }
+    let mut arguments = Vec::with_capacity(all);
+    for (at, (parameter, value)) in signature.parameters.iter().zip(given).enumerate() {
+        let value = value.filter(|value| !(is_out(&at) && value.is_null()));
+        let mut flat = Vec::new();
+        if let Some(value) = value {
+            words(&parameter.ty, value, &format!("args[{at}]"), language, &mut flat)?;
+        } else {
+            flat.resize(parameter.ty.scalars().len(), 0);
+        }
+        arguments.push(flat.into_iter().map(|word| vec![word]).collect());
+    }
+    Ok(Found { info, signature, arguments })
+}
+
+/// Which parameter is no plain value.
+pub(super) fn opaque(info: &FunctionInfo) -> String {
+    let words = ["sampler", "texture", "image"];
+    let opaque = info.parameters.iter().find(|p| words.iter().any(|w| p.ty.contains(w)));
+    opaque.map_or("a parameter is no plain value".to_string(), |p| {
+        format!("`{}` is a `{}`, which is no plain value", p.name, p.ty)
+    })
+}
+
+/// The function of that name, whatever its arguments; an entry point of WGSL as a function.
+pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, Misfit> {
+    let Meant { name, named, fitting } = Meant::of(module, meant);
+    match (&fitting[..], named.len()) {
+        ([one], _) => Ok((*one).clone()),
+        ([], 0) => {
+            let called = entry_as_function(module, name);
+            called.ok_or_else(|| unknown(module, name))
+        }
+        ([], _) => Err(no_such_parameters(name, &named)),
+        (_, several) => Err(Misfit {
+            code: "ambiguous-function",
+            message: format!("{several} functions are named `{name}`"),
+            help: Some(format!("say which with its types: {}", all_of(&named))),
+        }),
+    }
+}
+
+/// The functions of a name, and those of them that have the types that were said.
+struct Meant<'m, 'a> {
+    name: &'a str,
+    named: Vec<&'m FunctionInfo>,
+    fitting: Vec<&'m FunctionInfo>,
+}
+
+impl<'m, 'a> Meant<'m, 'a> {
+    fn of(module: &'m Module, meant: &'a str) -> Meant<'m, 'a> {
+        let (name, types) = match meant.split_once('(') {
+            Some((name, types)) => (name.trim(), Some(bare(types.trim().trim_end_matches(')')))),
+            None => (meant.trim(), None),
+        };
+        let named: Vec<&FunctionInfo> =
+            module.functions().iter().filter(|f| f.name == name).collect();
+        let fits =
+            |info: &&FunctionInfo| types.as_ref().is_none_or(|types| bare(&listed(info)) == *types);
+        let fitting = named.iter().copied().filter(fits).collect();
+        Meant { name, named, fitting }
+    }
+}
+
+fn no_such_parameters(name: &str, named: &[&FunctionInfo]) -> Misfit {
+    Misfit {
+        code: "unknown-function",
+        message: format!("no function `{name}` has these parameters"),
+        help: Some(format!("there is {}", all_of(named))),
+    }
+}
+
+fn all_of(named: &[&FunctionInfo]) -> String {
+    named.iter().map(|info| format!("`{}`", shown(info))).collect::<Vec<_>>().join(", ")
+}
+
+/// An entry point of WGSL as a function that takes what its stage gives it.
+fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
+    let entry = module.ir.entry_points.iter().find(|entry| entry.name == name)?;
+    let mut function = entry.function.clone();
+    function.name = Some(format!("{name}_called"));
+    function.arguments.iter_mut().for_each(|argument| argument.binding = None);
+    if let Some(result) = &mut function.result {
+        result.binding = None;
+    }
+    let parameters = function.arguments.iter().map(|argument| Parameter {
+        name: argument.name.clone().unwrap_or_default(),
+        ty: module.ir.types[argument.ty].name.clone().unwrap_or_default(),
+        direction: Direction::In,
+    });
+    let parameters = parameters.collect();
+    let returns = function.result.as_ref().map(|_| String::new());
+    let handle = module.ir.functions.append(function, naga::Span::UNDEFINED);
+    let (name, span) = (name.to_string(), Span::default());
+    Some(FunctionInfo { name, parameters, returns, span, handle })
+}
+
+/// What to say of a function that cannot be called: it is not there, or it does not run.
+pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
+    if let Some(LeftOut { why, .. }) = module.left_out().iter().find(|left| left.function == name) {
+        let place = why.labels.first().map(|label| module.files().locate(label.span));
+        let place = place.map_or(String::new(), |at| format!(", at {}:{}", at.path, at.line));
+        let message = format!("`{name}` cannot run: {}{place}", why.message);
+        return Misfit { code: "cannot-call", message, help: why.help.clone() };
+    }
+    let names = || module.functions().iter().map(|function| function.name.as_str());
+    let all: Vec<String> =
+        module.functions().iter().filter(|f| f.name != "main").map(shown).collect();
+    let list = match all.is_empty() {
+        true => "it has none that can be called".to_string(),
+        false => format!("it has `{}`", all.join("`, `")),
+    };
+    Misfit {
+        code: "unknown-function",
+        message: format!("the shader has no function `{name}`"),
+        help: Some(match landfall_layout::text::edit_distance::nearest(name, names()) {
+            Some(near) => format!("did you mean `{near}`? {list}"),
+            None => list,
+        }),
+    }
+}
+
+/// `phong(vec3, Light)`.
+pub(super) fn shown(info: &FunctionInfo) -> String {
+    format!("{}({})", info.name, listed(info))
+}
+
+fn listed(info: &FunctionInfo) -> String {
+    info.parameters.iter().map(|p| p.ty.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// `phong(vec3 normal, Light light)`.
+fn declared(info: &FunctionInfo) -> String {
+    let parameters = info.parameters.iter().map(|p| {
+        let way = match p.direction {
+            Direction::In => "",
+            Direction::Out => "out ",
+            Direction::InOut => "inout ",
+        };
+        format!("{way}{} {}", p.ty, p.name).trim_end().to_string()
+    });
+    format!("{}({})", info.name, parameters.collect::<Vec<_>>().join(", "))
+}
+
+/// Types without spaces, as they are compared.
+fn bare(types: &str) -> String {
+    types.chars().filter(|c| !c.is_whitespace()).collect()
+}

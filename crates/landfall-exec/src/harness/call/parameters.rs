@@ -1,0 +1,127 @@
+//! The parameters people know of those the caller takes: inputs of the stage, arguments, members
+//! of blocks; and what it gives back.
+//!
+//! Feeds [`make`](super::make).
+
+use super::arguments;
+use super::make::Sampled;
+use super::pure::{Origin, PureParameter, PureResult, Slot};
+use crate::interp::{FunctionSignature, ValueType};
+use landfall_ir::Module;
+use landfall_ir::module::{Direction, FunctionInfo};
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::source::Language;
+
+/// What the caller's parameters are, in their order: inputs, arguments, blocks, and then variables
+/// that are written.
+pub(super) struct Known<'a> {
+    pub module: &'a Module,
+    pub language: Language,
+    pub inputs: &'a [String],
+    /// By input.
+    pub read_inputs: Vec<bool>,
+    pub info: &'a FunctionInfo,
+    pub blocks: &'a [Sampled],
+}
+
+/// What a function reads and gives, and which of the caller's parameters each is.
+#[derive(Default)]
+pub(super) struct Listed {
+    pub parameters: Vec<PureParameter>,
+    /// By parameter of the caller.
+    pub slots: Vec<Slot>,
+    pub results: Vec<PureResult>,
+}
+
+/// Lists them.
+pub(super) fn list(known: &Known<'_>, signature: &FunctionSignature) -> Listed {
+    let mut listed = Listed::default();
+    if let Some(ty) = signature.result.clone() {
+        listed.results.push(PureResult { name: "result".to_string(), ty, at: None });
+    }
+    let (inputs, rest) = signature.parameters.split_at(known.inputs.len());
+    let (arguments, rest) = rest.split_at(known.info.parameters.len());
+    let (blocks, written) = rest.split_at(known.blocks.len());
+    for (nth, parameter) in inputs.iter().enumerate() {
+        let ty = parameter.ty.clone();
+        match known.read_inputs[nth] {
+            true => listed.given(vec![plain(known.inputs[nth].clone(), Origin::Input, ty)]),
+            false => listed.slots.push(Slot::Zero(ty.scalars().len())),
+        }
+    }
+    for (nth, parameter) in arguments.iter().enumerate() {
+        let (argument, ty) = (&known.info.parameters[nth], parameter.ty.clone());
+        let name = match argument.name.as_str() {
+            "" => format!("args[{nth}]"),
+            name => name.to_string(),
+        };
+        if parameter.returned {
+            let (name, at) = (name.clone(), Some(listed.slots.len()));
+            listed.results.push(PureResult { name, ty: ty.clone(), at });
+        }
+        match argument.direction {
+            Direction::Out => listed.slots.push(Slot::Out),
+            Direction::In | Direction::InOut => {
+                listed.given(vec![plain(name, Origin::Argument(nth), ty)]);
+            }
+        }
+    }
+    for block in &known.blocks[..blocks.len()] {
+        listed.given(members(block, &known.module.blocks[block.number].layout, known.language));
+    }
+    for parameter in written {
+        let (name, ty, at) = (parameter.name.clone(), parameter.ty.clone(), listed.slots.len());
+        listed.results.push(PureResult { name, ty, at: Some(at) });
+        listed.slots.push(Slot::Out);
+    }
+    listed.told_apart()
+}
+
+impl Listed {
+    /// Adds what one parameter of the caller is given.
+    fn given(&mut self, parameters: Vec<PureParameter>) {
+        let first = self.parameters.len();
+        self.parameters.extend(parameters);
+        self.slots.push(Slot::Given((first..self.parameters.len()).collect()));
+    }
+
+    /// A uniform may have the name of a parameter: then it is named with its block.
+    fn told_apart(mut self) -> Listed {
+        let paths: Vec<String> = self.parameters.iter().map(|p| p.path.clone()).collect();
+        for parameter in &mut self.parameters {
+            let twice = paths.iter().filter(|path| **path == parameter.path).count() > 1;
+            if let (true, Origin::Block(block, member)) = (twice, &parameter.origin) {
+                parameter.path = format!("{block}.{member}");
+                parameter.scalars = scalars(&parameter.path, &parameter.ty);
+            }
+        }
+        self
+    }
+}
+
+/// The members of a block as parameters.
+fn members(block: &Sampled, layout: &BlockLayout, language: Language) -> Vec<PureParameter> {
+    let named = layout.instance.as_deref().or(match &*layout.name {
+        "DefaultBlock" | "" => None,
+        _ if language == Language::Glsl => None,
+        name => Some(name),
+    });
+    let members = block.members.iter().map(|member| {
+        let name = member.name.clone();
+        let path = named.map_or(name.clone(), |named| format!("{named}.{name}"));
+        let origin = Origin::Block(layout.name.to_string(), name);
+        let parameter = plain(path, origin, member.ty.clone());
+        PureParameter { read: member.read, block: Some(block.number), ..parameter }
+    });
+    members.collect()
+}
+
+fn plain(path: String, origin: Origin, ty: ValueType) -> PureParameter {
+    let scalars = scalars(&path, &ty);
+    PureParameter { path, origin, ty, scalars, read: true, block: None }
+}
+
+/// The way to each scalar of a value.
+fn scalars(path: &str, ty: &ValueType) -> Vec<String> {
+    arguments::paths(ty).into_iter().map(|rest| format!("{path}{rest}")).collect()
+}

@@ -1,0 +1,286 @@
+//! Which bytes of its blocks a shader never reads.
+//!
+//! Takes a shader's text. What no instruction could load is certain (`loads`); beyond that the
+//! shader's own entry points are run by the evaluator over a small grid, with the contents of
+//! its blocks given or made up, and what they read is noted. Feeds `landfall verify --coverage`.
+
+pub(super) mod fill;
+mod loads;
+
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use self::fill::{Filling, inputs};
+use super::verify;
+use crate::backend::{Failure, Grid, Job, Reader, Resource, StageCode};
+use crate::harness::bindings as bound;
+use crate::harness::bindings::Data;
+use crate::harness::probe::plan::{LARGEST_BUFFER, TAIL};
+use crate::interp::{Cpu, Invocations, Port, Program, Settings};
+use landfall_ir::module::{EntryPoint, Module, ModuleBlock};
+use landfall_layout::layout::{BlockLayout, Leaf};
+use landfall_layout::shape::{ArrayLen, Type};
+use landfall_layout::source::{Runs, Source, Stage};
+use landfall_layout::{Diagnostic, Options};
+
+/// Invocations of a vertex or fragment stage that are run: 16 quads.
+const INVOCATIONS: usize = 64;
+
+/// Iterations of loops that one of them may take.
+const BUDGET: u32 = 1 << 16;
+
+/// What one block's bytes are to the shader.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct BlockCoverage {
+    /// The block's name.
+    #[serde(skip)]
+    pub name: String,
+    /// Its variable, where there is one.
+    #[serde(skip)]
+    pub instance: Option<String>,
+    /// Bytes of the buffer.
+    pub bytes: u64,
+    /// Bytes that were read in some run.
+    pub read: u64,
+    /// Bytes of leaves that no instruction could read.
+    pub never: u64,
+    /// Its leaves in order.
+    pub leaves: Vec<LeafCoverage>,
+    /// Runs that did not end as they should, and why.
+    pub failures: Vec<String>,
+}
+
+/// What one leaf's bytes are to the shader.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LeafCoverage {
+    /// Its path.
+    pub path: String,
+    /// Bytes of all its elements, padding left out.
+    pub bytes: u64,
+    /// Of them, those that were read in some run.
+    pub read: u64,
+    /// Of them, those that no instruction could read.
+    pub never: u64,
+    /// Its elements, counted through all dimensions.
+    pub elements: u64,
+    /// Those of which something was read: first and last of each range.
+    pub elements_read: Vec<[u64; 2]>,
+    /// The worst that can be said.
+    pub verdict: Verdict,
+}
+
+/// What can be said of a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Every byte was read.
+    Read,
+    /// Some bytes were.
+    Partly,
+    /// None was, though some instruction could.
+    Unread,
+    /// No instruction could: this is certain.
+    Never,
+}
+
+/// Finds out which bytes of its blocks a shader reads.
+///
+/// # Errors
+/// A shader that cannot run; data for a block it does not have.
+pub fn coverage(
+    source: &Source,
+    options: &Options,
+    data: &Data,
+    limit: Duration,
+) -> Result<Vec<BlockCoverage>, Vec<Diagnostic>> {
+    let options = Options { gather: true, naga: false, ..options.clone() };
+    let module = Module::new(source, &options)?;
+    let deadline = Instant::now().checked_add(limit);
+    let mut failures = Vec::new();
+    let mut read: Vec<Vec<bool>> = Vec::new();
+    for filling in Filling::ALL {
+        let longest = fill::longest(&module);
+        let bytes = bound::blocks(&module, data, |block| fill::fill(block, filling, longest))
+            .map_err(|found| vec![*found])?;
+        read.resize_with(bytes.len(), Vec::new);
+        for (all, bytes) in read.iter_mut().zip(&bytes) {
+            all.resize(bytes.len().next_multiple_of(4).max(all.len()), false);
+        }
+        let files = module.files();
+        let writable =
+            |block: &BlockLayout| verify::access::writable(block, files, source.language);
+        let resources = bound::resources(&module, bytes, writable, &[]);
+        for entry in module.entry_points() {
+            let settings =
+                Settings { watch: true, budget: BUDGET, deadline, ..Settings::default() };
+            match run(&module, &entry, filling, &resources, &settings, limit) {
+                Ok(more) => {
+                    for (all, more) in read.iter_mut().zip(more) {
+                        all.iter_mut().zip(more).for_each(|(all, more)| *all |= more);
+                    }
+                }
+                Err(failure) => {
+                    let why = format!("`{}` over {}: {failure}", entry.name, filling.words());
+                    if !failures.contains(&why) {
+                        failures.push(why);
+                    }
+                }
+            }
+        }
+    }
+    let sizes: Vec<usize> = read.iter().map(Vec::len).collect();
+    let loadable = loads::loadable(&module, &sizes);
+    let blocks = module.blocks().iter().zip(read).zip(loadable);
+    Ok(merged(blocks.map(|((block, read), loadable)| judged(block, &read, &loadable)), failures))
+}
+
+/// Runs an entry point; which bytes of each resource it read.
+fn run(
+    module: &Module,
+    entry: &EntryPoint,
+    filling: Filling,
+    resources: &[Resource],
+    settings: &Settings,
+    limit: Duration,
+) -> Result<Vec<Vec<bool>>, Failure> {
+    match Runs::of(entry.stage) {
+        Some(Runs::Compute) => {
+            let mut cpu = Cpu::new(settings.clone());
+            let stages = vec![StageCode {
+                stage: Stage::Compute,
+                entry: entry.name.clone(),
+                module: Some(module.clone().into()),
+                glsl: None,
+                spirv: None,
+            }];
+            let resources = resources.to_vec();
+            cpu.run(&Job { stages, resources, grid: Grid::Groups([2, 1, 1]), limit })?;
+            Ok(cpu.notes.read)
+        }
+        Some(Runs::Vertex | Runs::Fragment) | None => {
+            let program = Program::new(module, &[]);
+            let ports: Vec<(Port, Vec<bool>)> = program.inputs(&entry.name);
+            let invocations =
+                Invocations { count: INVOCATIONS, inputs: inputs(&ports, filling, INVOCATIONS) };
+            Ok(program.run_entry(&entry.name, &invocations, resources, settings)?.notes.read)
+        }
+    }
+}
+
+fn judged(block: &ModuleBlock, read: &[bool], loadable: &[bool]) -> BlockCoverage {
+    let layout = &block.layout;
+    let leaves: Vec<LeafCoverage> =
+        layout.leaves.iter().map(|leaf| leaf_of(leaf, read, loadable)).collect();
+    BlockCoverage {
+        name: layout.name.to_string(),
+        instance: layout.instance.as_ref().map(ToString::to_string),
+        bytes: read.len() as u64,
+        read: leaves.iter().map(|leaf| leaf.read).sum(),
+        never: leaves.iter().map(|leaf| leaf.never).sum(),
+        leaves,
+        failures: Vec::new(),
+    }
+}
+
+fn leaf_of(leaf: &Leaf, read: &[bool], loadable: &[bool]) -> LeafCoverage {
+    let mut found = LeafCoverage {
+        path: leaf.path.clone(),
+        bytes: 0,
+        read: 0,
+        never: 0,
+        elements: 0,
+        elements_read: Vec::new(),
+        verdict: Verdict::Never,
+    };
+    let spots = spots(leaf);
+    for start in starts(leaf, read.len() as u64) {
+        let before = found.read;
+        for spot in &spots {
+            for byte in spot.start..spot.end {
+                let at = (start + byte) as usize;
+                let (Some(read), Some(loadable)) = (read.get(at), loadable.get(at)) else {
+                    continue;
+                };
+                found.bytes += 1;
+                found.read += u64::from(*read);
+                found.never += u64::from(!*loadable && !*read);
+            }
+        }
+        if found.read > before {
+            let at = found.elements;
+            match found.elements_read.last_mut() {
+                Some([_, last]) if *last + 1 == at => *last = at,
+                Some(_) | None => found.elements_read.push([at, at]),
+            }
+        }
+        found.elements += 1;
+    }
+    found.verdict = match (found.read, found.never) {
+        (0, never) if never == found.bytes => Verdict::Never,
+        (0, _) => Verdict::Unread,
+        (read, _) if read == found.bytes => Verdict::Read,
+        (_, _) => Verdict::Partly,
+    };
+    found
+}
+
+/// Where each element of a leaf starts in a buffer of that size.
+fn starts(leaf: &Leaf, size: u64) -> Vec<u64> {
+    let mut starts = vec![leaf.offset.unwrap_or(0)];
+    for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
+        let count = match len {
+            ArrayLen::Fixed(count) => u64::from(*count),
+            ArrayLen::Runtime | ArrayLen::Override(_) => u64::from(TAIL),
+        };
+        let most = size.min(LARGEST_BUFFER);
+        let each = |start: u64| {
+            let count = count.min(most.saturating_sub(start).div_ceil((*stride).max(1)));
+            (0..count).map(move |index| start + index * stride)
+        };
+        starts = starts.into_iter().flat_map(each).collect();
+    }
+    starts
+}
+
+/// The bytes of one element, gaps between columns left out.
+fn spots(leaf: &Leaf) -> Vec<std::ops::Range<u64>> {
+    match &leaf.ty {
+        Type::Matrix { scalar, columns, rows } => {
+            let (lines, each) = if leaf.row_major { (*rows, *columns) } else { (*columns, *rows) };
+            let size = u64::from(each) * u64::from(scalar.width);
+            let stride = leaf.matrix_stride.unwrap_or(size);
+            (0..u64::from(lines)).map(|line| line * stride..line * stride + size).collect()
+        }
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Address(_)
+        | Type::Struct(_)
+        | Type::Array { .. } => std::iter::once(0..leaf.size.unwrap_or(0)).collect(),
+    }
+}
+
+/// One report a block: the buffers of an array of blocks are read if one of them is.
+fn merged(
+    blocks: impl Iterator<Item = BlockCoverage>,
+    failures: Vec<String>,
+) -> Vec<BlockCoverage> {
+    let mut all: Vec<BlockCoverage> = Vec::new();
+    for block in blocks {
+        let known = all.iter_mut().find(|known| {
+            known.name == block.name
+                && known.instance == block.instance
+                && known.leaves.len() == block.leaves.len()
+        });
+        match known {
+            Some(known) if known.read < block.read => *known = block,
+            Some(_) => {}
+            None => all.push(block),
+        }
+    }
+    for block in &mut all {
+        block.failures.clone_from(&failures);
+    }
+    all
+}

@@ -1,0 +1,165 @@
+//! Which bytes of its blocks a shader could read: those that some load, in some function its
+//! entry points reach, points at. An index that is computed points at every element.
+//!
+//! Reads a [`Module`]'s IR; what it does not find is certain to be never read.
+
+use naga::{
+    AddressSpace, Expression, Function, GlobalVariable, Handle, Statement, TypeInner, VectorSize,
+};
+use rustc_hash::FxHashMap;
+
+use landfall_ir::{Module, reach};
+
+/// By block of the module: whether some instruction could read each byte of a buffer of that size.
+pub(super) fn loadable(module: &Module, sizes: &[usize]) -> Vec<Vec<bool>> {
+    let mut blocks: Vec<Vec<bool>> = sizes.iter().map(|size| vec![false; *size]).collect();
+    let numbers: FxHashMap<Handle<GlobalVariable>, usize> =
+        module.blocks().iter().enumerate().map(|(at, block)| (block.variable, at)).collect();
+    let mut walk = Walk { module, numbers, blocks: &mut blocks };
+    let ir = &module.ir;
+    if ir.entry_points.is_empty() {
+        // An include: whoever includes it may call any of it.
+        ir.functions.iter().for_each(|(_, function)| walk.function(function));
+    }
+    for entry in &ir.entry_points {
+        let reached = reach::functions(ir, &entry.function);
+        reached.into_iter().for_each(|function| walk.function(function));
+    }
+    blocks
+}
+
+struct Walk<'m, 'b> {
+    module: &'m Module,
+    numbers: FxHashMap<Handle<GlobalVariable>, usize>,
+    blocks: &'b mut [Vec<bool>],
+}
+
+/// A part of a variable: where it starts, how often it repeats, and what is there.
+struct Part {
+    variable: Handle<GlobalVariable>,
+    offset: u64,
+    /// Count and distance; a runtime-sized array has as many as the buffer holds.
+    repeats: Vec<(Option<u64>, u64)>,
+    inner: TypeInner,
+}
+
+impl Walk<'_, '_> {
+    fn function(&mut self, function: &Function) {
+        for (_, expression) in function.expressions.iter() {
+            if let Expression::Load { pointer } = expression {
+                self.mark(function, *pointer);
+            }
+        }
+        for statement in reach::statements(&function.body) {
+            match statement {
+                // What a callee reads through a pointer is not followed.
+                Statement::Call { arguments, .. } => {
+                    arguments.iter().for_each(|argument| self.mark(function, *argument));
+                }
+                Statement::Atomic { pointer, .. }
+                | Statement::WorkGroupUniformLoad { pointer, .. } => self.mark(function, *pointer),
+                _ => {}
+            }
+        }
+    }
+
+    /// Marks what a pointer points at, if that is a block.
+    fn mark(&mut self, function: &Function, pointer: Handle<Expression>) {
+        let Some(part) = self.part(function, pointer) else { return };
+        let Some(&number) = self.numbers.get(&part.variable) else { return };
+        let ir = &self.module.ir;
+        let bytes = &mut self.blocks[number];
+        let len = bytes.len() as u64;
+        // A runtime-sized tail is as long as the buffer.
+        let runs_on = match &part.inner {
+            TypeInner::Array { size, .. } => matches!(size, naga::ArraySize::Dynamic),
+            TypeInner::Struct { members, .. } => members.last().is_some_and(|last| {
+                matches!(
+                    ir.types[last.ty].inner,
+                    TypeInner::Array { size: naga::ArraySize::Dynamic, .. }
+                )
+            }),
+            _ => false,
+        };
+        let size = if runs_on { len } else { u64::from(part.inner.size(ir.to_ctx())) };
+        let mut starts = vec![part.offset];
+        for (count, stride) in &part.repeats {
+            let within = |start: u64| len.saturating_sub(start).div_ceil((*stride).max(1));
+            starts = starts
+                .into_iter()
+                .flat_map(|start| {
+                    let count = count.unwrap_or(u64::MAX).min(within(start));
+                    (0..count).map(move |index| start + index * stride)
+                })
+                .collect();
+        }
+        for start in starts {
+            let range = start.min(len) as usize..start.saturating_add(size).min(len) as usize;
+            bytes[range].fill(true);
+        }
+    }
+
+    fn part(&self, function: &Function, pointer: Handle<Expression>) -> Option<Part> {
+        let ir = &self.module.ir;
+        // The way to the variable, from its end.
+        let mut way = Vec::new();
+        let mut at = pointer;
+        let variable = loop {
+            match function.expressions[at] {
+                Expression::GlobalVariable(variable) => break variable,
+                Expression::AccessIndex { base, index } => {
+                    way.push(Some(u64::from(index)));
+                    at = base;
+                }
+                Expression::Access { base, .. } => {
+                    way.push(None);
+                    at = base;
+                }
+                _ => return None,
+            }
+        };
+        let global = &ir.global_variables[variable];
+        if !matches!(
+            global.space,
+            AddressSpace::Uniform | AddressSpace::Storage { .. } | AddressSpace::Immediate
+        ) {
+            return None;
+        }
+        let inner = ir.types[global.ty].inner.clone();
+        let mut part = Part { variable, offset: 0, repeats: Vec::new(), inner };
+        for index in way.into_iter().rev() {
+            let (stride, count, inner) = match &part.inner {
+                TypeInner::Struct { members, .. } => {
+                    let member = members.get(usize::try_from(index?).ok()?)?;
+                    part.offset += u64::from(member.offset);
+                    part.inner = ir.types[member.ty].inner.clone();
+                    continue;
+                }
+                TypeInner::Array { base, size, stride } => {
+                    let count = match size {
+                        naga::ArraySize::Constant(count) => Some(u64::from(count.get())),
+                        naga::ArraySize::Pending(_) | naga::ArraySize::Dynamic => None,
+                    };
+                    (u64::from(*stride), count, ir.types[*base].inner.clone())
+                }
+                TypeInner::Matrix { columns, rows, scalar } => {
+                    let padded = if *rows == VectorSize::Bi { 2 } else { 4 };
+                    let stride = padded * u64::from(scalar.width);
+                    let column = TypeInner::Vector { size: *rows, scalar: *scalar };
+                    (stride, Some(*columns as u64), column)
+                }
+                TypeInner::Vector { size, scalar } => {
+                    let (width, count) = (u64::from(scalar.width), *size as u64);
+                    (width, Some(count), TypeInner::Scalar(*scalar))
+                }
+                _ => return None,
+            };
+            match index {
+                Some(index) => part.offset += index * stride,
+                None => part.repeats.push((count, stride)),
+            }
+            part.inner = inner;
+        }
+        Some(part)
+    }
+}

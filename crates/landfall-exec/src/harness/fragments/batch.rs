@@ -1,0 +1,277 @@
+//! Fragments packed into images, run, and unpacked.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::{ATLAS, FragmentShader, SIZE};
+use crate::backend::{
+    Failure, Grid, Job, LooseUniform, Reader, Resource, ResourceKind, StageCode, Texel,
+};
+use crate::harness::bindings as bound;
+use crate::harness::verify::{access, code, every};
+use landfall_ir::Module;
+use landfall_ir::module::HandleKind;
+use landfall_layout::buffer::decode;
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::source::Stage;
+
+/// What is bound for a list of fragments.
+#[derive(Clone, Copy, Debug)]
+pub struct Batch<'a> {
+    /// The bytes of each block, in the order of [`FragmentShader::blocks`].
+    pub blocks: &'a [Vec<u8>],
+    /// The textures, in the order of [`FragmentShader::textures`].
+    pub textures: &'a [Image],
+    /// Values of each input, in the order of [`FragmentShader::inputs`]: one a fragment, its
+    /// components first.
+    pub inputs: &'a [Vec<[f32; 4]>],
+    /// How many fragments.
+    pub count: usize,
+    /// A reader that takes longer for one job has failed.
+    pub limit: Duration,
+}
+
+/// A texture: four floats a texel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows, from the first.
+    pub height: u32,
+    /// `width * height` texels.
+    pub texels: Vec<[f32; 4]>,
+}
+
+/// What fragments became.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shaded {
+    /// Output location 0 of each fragment; zeros of a discarded one.
+    pub colors: Vec<[f32; 4]>,
+    /// Which were discarded; empty where the shader discards none ever.
+    pub discarded: Vec<bool>,
+}
+
+/// Fragments of one job at most: enough to keep a reader busy, few enough to show progress.
+const MOST: usize = 1 << 16;
+
+/// Fragments in a row of the image, for drivers.
+const ROW: usize = 256;
+
+/// Texels a side of a texture that every driver takes.
+const SIDE: usize = 8192;
+
+impl FragmentShader {
+    /// Runs the shader over fragments. `after` is called after each job with the reader and the
+    /// number of fragments of that job.
+    ///
+    /// # Errors
+    /// What the reader says against the shader, the buffers or their number.
+    pub fn run<R: Reader + ?Sized>(
+        &self,
+        reader: &mut R,
+        batch: &Batch<'_>,
+        mut after: impl FnMut(&mut R, usize),
+    ) -> Result<Shaded, Failure> {
+        let is_gl = reader.device().reader == "gl";
+        let whole = reader.device().reader == "cpu";
+        self.fits(batch)?;
+        let mut shaded = Shaded::default();
+        shaded.colors.reserve(batch.count);
+        let rows = (SIDE / self.inputs.len().max(1)).clamp(1, MOST / ROW);
+        let most = if whole { MOST } else { rows * ROW };
+        let fixed = if is_gl { self.for_gl(batch) } else { self.for_module(batch) };
+        let mut jobs = Jobs::new(self, is_gl, fixed, batch.limit)?;
+        let mut from = 0;
+        while from < batch.count {
+            let count = most.min(batch.count - from);
+            // The evaluator counts what it does, so no pixel is one too many.
+            let width = if whole { count } else { ROW.min(count) };
+            let packed = self.pack(batch, from, count, width);
+            jobs.put(self, packed);
+            let answer = reader.run(&jobs.shading)?;
+            shaded.colors.extend(answer.pixels[..count].iter().map(|p| p.map(f32::from_bits)));
+            if let Some(covering) = &mut jobs.covering {
+                covering.resources = std::mem::take(&mut jobs.shading.resources);
+                covering.grid = jobs.shading.grid;
+                let answer = reader.run(covering);
+                jobs.shading.resources = std::mem::take(&mut covering.resources);
+                let answer = answer?;
+                let white = answer.pixels[..count].iter().map(|pixel| pixel[0] == 0);
+                shaded.discarded.extend(white);
+            }
+            from += count;
+            after(reader, count);
+        }
+        for (color, discarded) in shaded.colors.iter_mut().zip(&shaded.discarded) {
+            if *discarded {
+                *color = [0.0; 4];
+            }
+        }
+        Ok(shaded)
+    }
+
+    pub(super) fn fits(&self, batch: &Batch<'_>) -> Result<(), Failure> {
+        let check = |what: &str, wanted: usize, given: usize| match wanted == given {
+            true => Ok(()),
+            false => {
+                let message = format!("the shader has {wanted} {what}, and {given} are given");
+                Err(Failure::refused(message, ""))
+            }
+        };
+        check("blocks", self.blocks().len(), batch.blocks.len())?;
+        check("textures", self.textures().count(), batch.textures.len())?;
+        check("inputs", self.inputs.len(), batch.inputs.len())?;
+        let short = batch.inputs.iter().find(|values| values.len() < batch.count);
+        short.map_or(Ok(()), |values| {
+            let message =
+                format!("{} fragments, and an input of only {}", batch.count, values.len());
+            Err(Failure::refused(message, ""))
+        })
+    }
+
+    /// The inputs of some fragments, one below the other; the last fragment fills the last row.
+    pub(super) fn pack(&self, batch: &Batch<'_>, from: usize, count: usize, width: usize) -> Image {
+        let rows = count.div_ceil(width);
+        let size = rows * width;
+        let mut texels = Vec::with_capacity(size * batch.inputs.len().max(1));
+        for values in batch.inputs {
+            let values = &values[from..from + count];
+            texels.extend_from_slice(values);
+            let last = values.last().copied().unwrap_or_default();
+            texels.extend(std::iter::repeat_n(last, size - count));
+        }
+        if texels.is_empty() {
+            texels.resize(size, [0.0; 4]);
+        }
+        Image { width: width as u32, height: (texels.len() / width) as u32, texels }
+    }
+
+    /// What stays bound, by the places of the module.
+    pub(super) fn for_module(&self, batch: &Batch<'_>) -> Vec<Resource> {
+        let blocks = self.blocks().iter().zip(batch.blocks).map(|(block, bytes)| Resource {
+            name: block.layout.name.to_string(),
+            group: block.group,
+            binding: block.binding,
+            kind: bound::kind(&block.layout, bytes.clone(), self.writable(&block.layout)),
+        });
+        let mut resources: Vec<Resource> = blocks.collect();
+        let mut images = batch.textures.iter();
+        for handle in self.module.handles() {
+            let kind = match handle.kind {
+                HandleKind::Texture => images.next().map(texture),
+                HandleKind::Sampler => Some(ResourceKind::Sampler),
+                HandleKind::Image => None,
+            };
+            let (name, group, binding) = (handle.path.clone(), handle.group, handle.binding);
+            resources.extend(kind.map(|kind| Resource { name, group, binding, kind }));
+        }
+        resources
+    }
+
+    /// What stays bound, by OpenGL's names.
+    fn for_gl(&self, batch: &Batch<'_>) -> Vec<Resource> {
+        let mut resources = Vec::new();
+        for (block, bytes) in self.blocks().iter().zip(batch.blocks) {
+            let elements = every(&block.layout.count);
+            let nth = block.element.and_then(|nth| elements.get(nth as usize));
+            let name = code::gl_name(&block.layout.name, nth.map_or(&[], |nth| nth.as_slice()));
+            let kind = match self.is_loose(&block.layout) {
+                true => ResourceKind::Loose(loose(&block.layout, bytes)),
+                false => bound::kind(&block.layout, bytes.clone(), self.writable(&block.layout)),
+            };
+            resources.push(Resource { name, group: 0, binding: 0, kind });
+        }
+        for (handle, image) in self.textures().zip(batch.textures) {
+            let name = handle.path.clone();
+            resources.push(Resource { name, group: 0, binding: 0, kind: texture(image) });
+        }
+        resources
+    }
+
+    fn writable(&self, block: &BlockLayout) -> bool {
+        access::writable(block, self.module.files(), self.language)
+    }
+}
+
+fn texture(image: &Image) -> ResourceKind {
+    let Image { width, height, texels } = image.clone();
+    ResourceKind::Texture { width, height, texels }
+}
+
+/// Every element of a block by its name.
+fn loose(block: &BlockLayout, bytes: &[u8]) -> Vec<LooseUniform> {
+    let mut uniforms = Vec::new();
+    if let Ok(decoded) = decode(block, bytes) {
+        decoded.for_each(|element| {
+            let words = element.cells.iter().map(|cell| cell.bits as u32).collect();
+            uniforms.push(LooseUniform { name: element.path.to_string(), words });
+        });
+    }
+    uniforms
+}
+
+/// The jobs of a batch; only the texture of inputs and the size change from one to the next.
+struct Jobs {
+    shading: Job,
+    covering: Option<Job>,
+    /// Where the texture of inputs is among the resources.
+    atlas: usize,
+    /// Where the uniform with its size is.
+    size: Option<usize>,
+}
+
+impl Jobs {
+    fn new(
+        shader: &FragmentShader,
+        is_gl: bool,
+        mut resources: Vec<Resource>,
+        limit: Duration,
+    ) -> Result<Jobs, Failure> {
+        let texts = match (is_gl, &shader.texts) {
+            (true, None) => return Err(Failure::refused("OpenGL takes no WGSL", "")),
+            (true, Some((text, covered))) => Some((text, covered)),
+            (false, _) => None,
+        };
+        let stage = |module: &Arc<Module>, text: Option<&String>| StageCode {
+            stage: Stage::Fragment,
+            entry: shader.entry.clone(),
+            module: (!is_gl).then(|| Arc::clone(module)),
+            glsl: text.cloned(),
+            spirv: None,
+        };
+        let grid = Grid::Image { width: 0, height: 0, texel: Texel::Float };
+        let job = |stage, resources| Job { stages: vec![stage], resources, grid, limit };
+        let (group, binding) = shader.atlas;
+        let atlas = resources.len();
+        let name = ATLAS.to_string();
+        let kind = ResourceKind::Texture { width: 0, height: 0, texels: Vec::new() };
+        resources.push(Resource { name, group, binding, kind });
+        let mut size = None;
+        if is_gl && shader.wants_size {
+            let found = resources.iter().position(|r| matches!(r.kind, ResourceKind::Loose(_)));
+            size = Some(found.unwrap_or(resources.len()));
+            if found.is_none() {
+                let (name, kind) = (SIZE.to_string(), ResourceKind::Loose(Vec::new()));
+                resources.push(Resource { name, group: 0, binding: 0, kind });
+            }
+        }
+        let covering = shader.covered.as_ref().map(|module| {
+            job(stage(module, texts.and_then(|(_, covered)| covered.as_ref())), Vec::new())
+        });
+        let shading = job(stage(&shader.module, texts.map(|(text, _)| text)), resources);
+        Ok(Jobs { shading, covering, atlas, size })
+    }
+
+    fn put(&mut self, shader: &FragmentShader, image: Image) {
+        let Image { width, height, texels } = image;
+        let rows = height / shader.inputs.len().max(1) as u32;
+        self.shading.grid = Grid::Image { width, height: rows, texel: Texel::Float };
+        let resources = &mut self.shading.resources;
+        if let Some(ResourceKind::Loose(uniforms)) = self.size.map(|at| &mut resources[at].kind) {
+            uniforms.retain(|uniform| uniform.name != SIZE);
+            let words = [width, rows].map(|n| (n as f32).to_bits()).to_vec();
+            uniforms.push(LooseUniform { name: SIZE.to_string(), words });
+        }
+        resources[self.atlas].kind = ResourceKind::Texture { width, height, texels };
+    }
+}

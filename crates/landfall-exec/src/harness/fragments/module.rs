@@ -1,0 +1,371 @@
+//! A module whose fragment entry point reads its inputs from a texture, by its pixel.
+//!
+//! The old entry point becomes a function; the new one loads a texel for each of its inputs and
+//! calls it. Feeds [`fragments`](super) with the module and what its inputs are.
+
+use naga::{
+    AddressSpace, BinaryOperator, Binding, Block, BuiltIn, EntryPoint, Expression, Function,
+    FunctionArgument, FunctionResult, GlobalVariable, Handle, ImageClass, ImageDimension,
+    ImageQuery, Literal, ResourceBinding, Scalar, ScalarKind, ShaderStage, Span, Statement,
+    StructMember, SwizzleComponent, Type, TypeInner, VectorSize,
+};
+
+use super::{ATLAS, Input, InputKind};
+use landfall_ir::{Module, reach};
+use landfall_layout::Diagnostic;
+
+/// A fragment entry point that reads a texture.
+pub(super) struct Fetching {
+    /// What runs.
+    pub module: Module,
+    /// The same, but white wherever the shader does not discard; if it may.
+    pub covered: Option<Module>,
+    /// Its entry point.
+    pub entry: String,
+    /// In the order of their rows of texels.
+    pub inputs: Vec<Input>,
+    /// Group and binding of the texture.
+    pub atlas: (u32, u32),
+    /// Whether it takes differences between neighbouring pixels.
+    pub differences: bool,
+    /// Which of the module's blocks it reads.
+    pub read: Vec<bool>,
+}
+
+/// The new entry point's name; names like it are none of the shader's.
+const ENTRY: &str = "landfall_main";
+
+/// What the new entry point returns.
+#[derive(Clone, Copy)]
+enum Gives {
+    Result,
+    White,
+}
+
+/// Makes the module's fragment entry point of that name, or its only one, read a texture.
+pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, Vec<Diagnostic>> {
+    let entries = &module.ir.entry_points;
+    let fragments: Vec<&EntryPoint> =
+        entries.iter().filter(|entry| entry.stage == ShaderStage::Fragment).collect();
+    let names = || fragments.iter().map(|e| format!("`{}`", e.name)).collect::<Vec<_>>().join(", ");
+    let entry = match (name, &fragments[..]) {
+        (_, []) => return Err(refused("the shader has no fragment stage to light with".into())),
+        (Some(name), all) => all.iter().find(|entry| entry.name == name).ok_or_else(|| {
+            refused(format!("there is no fragment entry point `{name}`; there is {}", names()))
+        })?,
+        (None, [one]) => one,
+        (None, _) => {
+            return Err(refused(format!("the shader has several fragment stages: {}", names())));
+        }
+    };
+    let inputs = inputs(module, entry)?;
+    let (kills, differences) = reaches(module, entry);
+    let [atlas] = module.free_places();
+    let made = |gives| rebuilt(module, entry, &inputs, atlas, gives);
+    let number = entries.iter().position(|other| std::ptr::eq(other, *entry)).unwrap_or(0);
+    let uses = module.info.get_entry_point(number);
+    let read = module.blocks().iter().map(|block| !uses[block.variable].is_empty()).collect();
+    Ok(Fetching {
+        module: made(Gives::Result)?,
+        read,
+        covered: if kills { Some(made(Gives::White)?) } else { None },
+        entry: ENTRY.to_string(),
+        inputs,
+        atlas,
+        differences,
+    })
+}
+
+fn refused(message: String) -> Vec<Diagnostic> {
+    vec![Diagnostic::error("cannot-run", landfall_layout::Span::default(), message)]
+}
+
+/// Every input with a location, in the order of the arguments, and the pixel.
+fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnostic>> {
+    let ir = &module.ir;
+    let mut inputs = Vec::new();
+    let mut has_pixel = false;
+    let mut add = |name: &Option<String>, binding: &Option<Binding>, ty: Handle<Type>| {
+        has_pixel |= matches!(binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
+        let Some(Binding::Location { location, .. }) = binding else { return Ok(()) };
+        let known = module.inputs().iter().find(|input| input.location == *location);
+        let name = known.map_or_else(|| name.clone().unwrap_or_default(), |k| k.name.clone());
+        let (components, scalar) = match ir.types[ty].inner {
+            TypeInner::Scalar(scalar) => (1, scalar),
+            TypeInner::Vector { size, scalar } => (size as u8, scalar),
+            _ => return Err(refused(format!("the input `{name}` is no scalar or vector"))),
+        };
+        let kind = match (scalar.kind, scalar.width) {
+            (ScalarKind::Float, 4) => InputKind::Float,
+            (ScalarKind::Sint, 4) => InputKind::Sint,
+            (ScalarKind::Uint, 4) => InputKind::Uint,
+            _ => return Err(refused(format!("the input `{name}` is not of 32-bit numbers"))),
+        };
+        inputs.push(Input { name, location: Some(*location), components, kind });
+        Ok(())
+    };
+    for argument in &entry.function.arguments {
+        match &ir.types[argument.ty].inner {
+            TypeInner::Struct { members, .. } => {
+                members.iter().try_for_each(|m| add(&m.name, &m.binding, m.ty))?;
+            }
+            _ => add(&argument.name, &argument.binding, argument.ty)?,
+        }
+    }
+    if has_pixel {
+        let (name, kind) = (super::PIXEL.to_string(), InputKind::Float);
+        inputs.push(Input { name, location: None, components: 4, kind });
+    }
+    Ok(inputs)
+}
+
+/// Whether the entry point may discard, and whether it takes derivatives.
+fn reaches(module: &Module, entry: &EntryPoint) -> (bool, bool) {
+    let functions = reach::functions(&module.ir, &entry.function);
+    let kills = |function: &&Function| {
+        reach::statements(&function.body).any(|statement| matches!(statement, Statement::Kill))
+    };
+    let differs = |function: &&Function| {
+        function.expressions.iter().any(|(_, e)| matches!(e, Expression::Derivative { .. }))
+    };
+    (functions.iter().any(kills), functions.iter().any(differs))
+}
+
+fn rebuilt(
+    module: &Module,
+    entry: &EntryPoint,
+    inputs: &[Input],
+    (group, binding): (u32, u32),
+    gives: Gives,
+) -> Result<Module, Vec<Diagnostic>> {
+    let mut module = module.clone();
+    let ir = &mut module.ir;
+    let mut old = entry.function.clone();
+    // GLSL's entry point is not its `main`, but what calls it.
+    if ir.functions.iter().any(|(_, function)| function.name == old.name) {
+        old.name = Some("landfall_entry".to_string());
+    }
+    old.arguments.iter_mut().for_each(|argument| argument.binding = None);
+    let result = old.result.as_mut().map(|result| result.binding.take());
+    let result = result.zip(old.result.clone());
+    let old_arguments = entry.function.arguments.clone();
+    let callee = ir.functions.append(old, Span::UNDEFINED);
+    let mut ty = |inner| ir.types.insert(Type { name: None, inner }, Span::UNDEFINED);
+    let class = ImageClass::Sampled { kind: ScalarKind::Float, multi: false };
+    let image = ty(TypeInner::Image { dim: ImageDimension::D2, arrayed: false, class });
+    let vector = |size, scalar| TypeInner::Vector { size, scalar };
+    let types = Types {
+        position: ty(vector(VectorSize::Quad, Scalar::F32)),
+        place: ty(vector(VectorSize::Bi, Scalar::I32)),
+    };
+    let atlas = ir.global_variables.append(
+        GlobalVariable {
+            name: Some(ATLAS.to_string()),
+            space: AddressSpace::Handle,
+            binding: Some(ResourceBinding { group, binding }),
+            ty: image,
+            init: None,
+            memory_decorations: naga::MemoryDecorations::empty(),
+        },
+        Span::UNDEFINED,
+    );
+    let mut new = Fetcher { function: Function::default(), builtins: Vec::new() };
+    new.function.name = Some(ENTRY.to_string());
+    let structs: Vec<Option<Vec<StructMember>>> = old_arguments
+        .iter()
+        .map(|argument| match &ir.types[argument.ty].inner {
+            TypeInner::Struct { members, .. } => Some(members.clone()),
+            _ => None,
+        })
+        .collect();
+    // Built-in values first: arguments and literals stand outside of what is emitted.
+    let position = new.builtin(&BuiltIn::Position { invariant: false }, types.position);
+    for (argument, members) in old_arguments.iter().zip(&structs) {
+        let mut note = |binding: &Option<Binding>, ty| {
+            // The pixel was taken above.
+            if let Some(Binding::BuiltIn(builtin)) = binding {
+                new.builtin(builtin, ty);
+            }
+        };
+        match members {
+            Some(members) => members.iter().for_each(|m| note(&m.binding, m.ty)),
+            None => note(&argument.binding, argument.ty),
+        }
+    }
+    let texels = new.fetches(inputs, atlas, position, types.place);
+    let pixel = texels.last().copied().unwrap_or(position);
+    let mut texels = texels.into_iter();
+    let mut arguments = Vec::new();
+    for (argument, members) in old_arguments.iter().zip(&structs) {
+        let value = match members {
+            Some(members) => {
+                let components = members
+                    .iter()
+                    .map(|m| new.value(&m.binding, m.ty, pixel, &mut texels))
+                    .collect();
+                new.add(Expression::Compose { ty: argument.ty, components })
+            }
+            None => new.value(&argument.binding, argument.ty, pixel, &mut texels),
+        };
+        arguments.push(value);
+    }
+    let mut function = new.emitted();
+    let returned = result
+        .is_some()
+        .then(|| function.expressions.append(Expression::CallResult(callee), Span::UNDEFINED));
+    let call = Statement::Call { function: callee, arguments, result: returned };
+    function.body.push(call, Span::UNDEFINED);
+    let value = match gives {
+        Gives::Result => {
+            function.result =
+                result.map(|(binding, result)| FunctionResult { ty: result.ty, binding });
+            returned
+        }
+        Gives::White => {
+            let binding = Binding::Location {
+                location: 0,
+                interpolation: None,
+                sampling: None,
+                blend_src: None,
+                per_primitive: false,
+            };
+            function.result = Some(FunctionResult { ty: types.position, binding: Some(binding) });
+            let one = Expression::Literal(Literal::F32(1.0));
+            let one = function.expressions.append(one, Span::UNDEFINED);
+            let white = Expression::Splat { size: VectorSize::Quad, value: one };
+            let white = function.expressions.append(white, Span::UNDEFINED);
+            let emitted = naga::Range::new_from_bounds(white, white);
+            function.body.push(Statement::Emit(emitted), Span::UNDEFINED);
+            Some(white)
+        }
+    };
+    function.body.push(Statement::Return { value }, Span::UNDEFINED);
+    let name = ENTRY.to_string();
+    ir.entry_points = vec![EntryPoint { name, function, ..entry.clone() }];
+    module.validated()
+}
+
+struct Types {
+    position: Handle<Type>,
+    place: Handle<Type>,
+}
+
+/// The new entry point in the making.
+struct Fetcher {
+    function: Function,
+    /// Built-in values it is given, and their expressions.
+    builtins: Vec<(BuiltIn, Handle<Expression>)>,
+}
+
+impl Fetcher {
+    fn add(&mut self, expression: Expression) -> Handle<Expression> {
+        self.function.expressions.append(expression, Span::UNDEFINED)
+    }
+
+    /// The argument of a built-in value, which an entry point may have only once.
+    fn builtin(&mut self, builtin: &BuiltIn, ty: Handle<Type>) -> Handle<Expression> {
+        let same = |other: &BuiltIn| match (other, builtin) {
+            (BuiltIn::Position { .. }, BuiltIn::Position { .. }) => true,
+            (other, builtin) => other == builtin,
+        };
+        if let Some((_, known)) = self.builtins.iter().find(|(other, _)| same(other)) {
+            return *known;
+        }
+        let index = self.function.arguments.len() as u32;
+        let binding = Some(Binding::BuiltIn(*builtin));
+        self.function.arguments.push(FunctionArgument { name: None, ty, binding });
+        let value = self.add(Expression::FunctionArgument(index));
+        self.builtins.push((*builtin, value));
+        value
+    }
+
+    /// Loads of all inputs; what is emitted begins with them.
+    fn fetches(
+        &mut self,
+        inputs: &[Input],
+        atlas: Handle<GlobalVariable>,
+        position: Handle<Expression>,
+        place: Handle<Type>,
+    ) -> Vec<Handle<Expression>> {
+        let image = self.add(Expression::GlobalVariable(atlas));
+        let literal = |value| Expression::Literal(value);
+        let count = self.add(literal(Literal::U32(inputs.len().max(1) as u32)));
+        let level = self.add(literal(Literal::I32(0)));
+        let numbers: Vec<_> =
+            (0..inputs.len()).map(|k| self.add(literal(Literal::I32(k as i32)))).collect();
+        // From here on everything is emitted.
+        let whole = |expr, kind| Expression::As { expr, kind, convert: Some(4) };
+        let axis = |base, index| Expression::AccessIndex { base, index };
+        let binary = |op, left, right| Expression::Binary { op, left, right };
+        let across = self.add(axis(position, 0));
+        let across = self.add(whole(across, ScalarKind::Sint));
+        let down = self.add(axis(position, 1));
+        let down = self.add(whole(down, ScalarKind::Sint));
+        let size =
+            self.add(Expression::ImageQuery { image, query: ImageQuery::Size { level: None } });
+        let height = self.add(axis(size, 1));
+        let rows = self.add(binary(BinaryOperator::Divide, height, count));
+        let rows = self.add(whole(rows, ScalarKind::Sint));
+        let each = inputs.iter().zip(numbers).map(|(input, number)| {
+            let skipped = self.add(binary(BinaryOperator::Multiply, rows, number));
+            let row = self.add(binary(BinaryOperator::Add, down, skipped));
+            let coordinate =
+                self.add(Expression::Compose { ty: place, components: vec![across, row] });
+            let texel = self.add(Expression::ImageLoad {
+                image,
+                coordinate,
+                array_index: None,
+                sample: None,
+                level: Some(level),
+            });
+            let pattern = SwizzleComponent::XYZW;
+            let part = |size| Expression::Swizzle { size, vector: texel, pattern };
+            let value = match input.components {
+                1 => self.add(axis(texel, 0)),
+                2 => self.add(part(VectorSize::Bi)),
+                3 => self.add(part(VectorSize::Tri)),
+                _ => texel,
+            };
+            match input.kind {
+                InputKind::Float => value,
+                InputKind::Sint => self.add(whole(value, ScalarKind::Sint)),
+                InputKind::Uint => self.add(whole(value, ScalarKind::Uint)),
+            }
+        });
+        each.collect()
+    }
+
+    /// What an argument, or a member of one, is given.
+    fn value(
+        &mut self,
+        binding: &Option<Binding>,
+        ty: Handle<Type>,
+        pixel: Handle<Expression>,
+        texels: &mut impl Iterator<Item = Handle<Expression>>,
+    ) -> Handle<Expression> {
+        match binding {
+            Some(Binding::BuiltIn(BuiltIn::Position { .. })) => pixel,
+            Some(Binding::BuiltIn(builtin)) => self.builtin(builtin, ty),
+            Some(Binding::Location { .. }) => texels.next().expect("each location is an input"),
+            None => unreachable!("naga's validator wants a binding of each"),
+        }
+    }
+
+    /// The function with everything emitted that must be.
+    fn emitted(mut self) -> Function {
+        let first = self.function.expressions.iter().find(|(_, expression)| {
+            !matches!(
+                expression,
+                Expression::FunctionArgument(_)
+                    | Expression::GlobalVariable(_)
+                    | Expression::Literal(_)
+            )
+        });
+        if let Some((first, _)) = first {
+            let range = self.function.expressions.range_from(first.index());
+            self.function.body = Block::new();
+            self.function.body.push(Statement::Emit(range), Span::UNDEFINED);
+        }
+        self.function
+    }
+}

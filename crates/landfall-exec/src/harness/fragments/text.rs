@@ -1,0 +1,226 @@
+//! The user's GLSL with inputs that are fetched from a texture, for OpenGL: a text
+//! [`rewrite`](crate::harness::rewrite) has made variables of the inputs of, and a new `main` that
+//! fills them and calls the old one.
+
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use super::{ATLAS, Input, InputKind, PIXEL, SIZE};
+use crate::harness::rewrite::{Builtin, MAIN, Wanted, rewritten, root};
+use crate::harness::verify::{code, partner};
+use landfall_layout::source::{Language, ReadOptions, Source, Target};
+pub use landfall_layout::syntax::glsl::raw;
+pub use landfall_layout::syntax::glsl::raw::RawToken;
+
+/// What stands for `gl_FragCoord` where that is an input.
+const COORDINATE: &str = "landfall_FragCoord";
+
+/// What the new `main` does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Writes {
+    /// What the shader does.
+    Result,
+    /// White wherever the shader does not discard.
+    White,
+}
+
+/// A text without `#version` that has precisions is of OpenGL ES, whose compilers take it so.
+pub(super) fn versioned<'s>(source: &'s Source, options: &ReadOptions) -> Cow<'s, Source> {
+    if source.language != Language::Glsl || source.text.contains("#version") {
+        return Cow::Borrowed(source);
+    }
+    let flat = raw::flattened(source, options);
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let precise =
+        flat.split(|c| !is_word(c)).any(|word| matches!(word, "lowp" | "mediump" | "highp"));
+    match precise {
+        true => {
+            let text = Arc::from(format!("#version 100\n{}", source.text));
+            Cow::Owned(Source { text, ..source.clone() })
+        }
+        false => Cow::Borrowed(source),
+    }
+}
+
+/// Whether the text fetches by coordinates from 0 to 1, and so wants to know the size.
+pub(super) fn wants_size(source: &Source, options: &ReadOptions) -> bool {
+    let raw = raw::read(source, options);
+    !fetches(raw.version, raw.es)
+}
+
+/// Whether `gl_FragCoord` counts from the bottom.
+pub(super) fn is_opengl(source: &Source, options: &ReadOptions) -> bool {
+    let raw = || raw::read(source, options).target;
+    source.language == Language::Glsl && raw() != Some(Target::Vulkan)
+}
+
+/// `texelFetch` is of GLSL 1.30 and ES 3.00.
+fn fetches(version: u32, es: bool) -> bool {
+    if es { version >= 300 } else { version >= 130 }
+}
+
+/// The text for OpenGL's compiler.
+pub(super) fn text(
+    source: &Source,
+    options: &ReadOptions,
+    inputs: &[Input],
+    writes: Writes,
+) -> String {
+    let pixel = inputs.iter().find(|input| input.name == PIXEL).map(|_| Builtin {
+        name: PIXEL.to_string(),
+        own: COORDINATE.to_string(),
+        ty: "vec4",
+    });
+    let wanted = Wanted {
+        late: inputs.iter().map(|input| root(&input.name).to_string()).collect(),
+        builtins: pixel.into_iter().collect(),
+        blocks: Vec::new(),
+    };
+    let mut rewritten = rewritten(source, options, &wanted);
+    let mut out = std::mem::take(&mut rewritten.text);
+    let raw = &rewritten.raw;
+    let es = raw.es;
+    let highp = if es { "highp " } else { "" };
+    let int = highp;
+    let _ = writeln!(out, "uniform {highp}sampler2D {ATLAS};");
+    let fetches = fetches(raw.version, es);
+    let count = inputs.len();
+    if fetches {
+        let _ = writeln!(
+            out,
+            "{highp}vec4 landfall_texel({int}int k) {{\n    \
+             {int}int rows = textureSize({ATLAS}, 0).y / {};\n    \
+             return texelFetch({ATLAS}, ivec2(gl_FragCoord.xy) + ivec2(0, k * rows), 0);\n}}",
+            count.max(1)
+        );
+    } else {
+        let _ = writeln!(
+            out,
+            "uniform {highp}vec2 {SIZE};\n\
+             {highp}vec4 landfall_texel({highp}float k) {{\n    \
+             return texture2D({ATLAS}, (gl_FragCoord.xy + vec2(0.0, k * {SIZE}.y)) / \
+             vec2({SIZE}.x, {count}.0 * {SIZE}.y));\n}}",
+        );
+    }
+    out.push_str("void main() {\n");
+    for (number, input) in inputs.iter().enumerate() {
+        let name = match input.name.as_str() {
+            PIXEL => COORDINATE.to_string(),
+            name => rewritten.renamed(name),
+        };
+        let number = if fetches { number.to_string() } else { format!("{number}.0") };
+        let part = ["x", "xy", "xyz", "xyzw"][usize::from(input.components.clamp(1, 4)) - 1];
+        let vector = |prefix: &str, scalar: &str| match input.components {
+            1 => scalar.to_string(),
+            n => format!("{prefix}vec{n}"),
+        };
+        let texel = format!("landfall_texel({number}).{part}");
+        let value = match input.kind {
+            InputKind::Float => texel,
+            InputKind::Sint => format!("{}({texel})", vector("i", "int")),
+            InputKind::Uint => format!("{}({texel})", vector("u", "uint")),
+        };
+        let _ = writeln!(out, "    {name} = {value};");
+    }
+    for assignment in &rewritten.late {
+        let _ = writeln!(out, "    {assignment}");
+    }
+    let _ = writeln!(out, "    {MAIN}();");
+    if writes == Writes::White {
+        // All that is written before is written over.
+        let name = outputs(&raw.tokens, &rewritten.flat.text);
+        let _ = writeln!(out, "    {name};");
+    }
+    out.push_str("}\n");
+    code::without(&out, "set")
+}
+
+/// A statement that makes the first output white.
+fn outputs(tokens: &[RawToken], text: &str) -> String {
+    let word = |token: &RawToken| &text[token.start..token.end];
+    let mut at = 0;
+    while at < tokens.len() {
+        if tokens[at].directive.is_some() {
+            at += 1;
+            continue;
+        }
+        let found = partner::statement(&tokens[at..], &word);
+        let words: Vec<&str> = tokens[at..at + found.end].iter().map(word).collect();
+        at += found.end;
+        let mut depth = 0u32;
+        let head = words.iter().take_while(|word| !matches!(**word, "{" | "=" | ";"));
+        let out = head.into_iter().any(|word| {
+            match *word {
+                "(" => depth += 1,
+                ")" => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            depth == 0 && *word == "out"
+        });
+        if let (true, Some(end)) = (out && !found.function, words.iter().rposition(|w| *w == ";")) {
+            let ty = words.iter().find(|w| w.starts_with("vec") || **w == "float");
+            let first = words[..end].iter().position(|w| *w == "=" || *w == "[" || *w == ",");
+            let name = words[..first.unwrap_or(end)].last();
+            if let (Some(ty), Some(name)) = (ty, name) {
+                let element = if words.contains(&"[") { "[0]" } else { "" };
+                return format!("{name}{element} = {ty}(1.0)");
+            }
+        }
+    }
+    let data = tokens.iter().any(|token| word(token) == "gl_FragData");
+    if data { "gl_FragData[0] = vec4(1.0)" } else { "gl_FragColor = vec4(1.0)" }.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn input(name: &str, components: u8) -> Input {
+        Input { name: name.to_string(), location: Some(0), components, kind: InputKind::Float }
+    }
+
+    fn rewritten(text_in: &str, inputs: &[Input]) -> String {
+        let source = Source::new("a.frag", text_in);
+        text(&source, &ReadOptions::default(), inputs, Writes::Result)
+    }
+
+    #[test]
+    fn inputs_become_variables_and_main_a_function() {
+        let text = rewritten(
+            "#version 450\n#define V vec3\nlayout(early_fragment_tests) in;\n\
+             layout(location = 0) in V place;\nlayout(location = 1) in Stage { flat int id; vec2 uv[2]; } stage;\n\
+             in Bare { smooth vec3 n; };\nout vec4 color;\nfloat f(in float x) { return x; }\n\
+             void main() { color = vec4(f(place.x)); }\n",
+            &[input("place", 3), input("Stage.uv[1]", 2), input("Bare.n", 3)],
+        );
+        for line in [
+            "layout(early_fragment_tests) in;",
+            "vec3 place ;",
+            "struct landfall_Stage { int id ; vec2 uv [ 2 ] ; };",
+            "landfall_Stage stage ;",
+            "vec3 n ;",
+            "float f(in float x) { return x; }",
+            "void landfall_main() { color = vec4(f(place.x)); }",
+            "    place = landfall_texel(0).xyz;",
+            "    stage.uv[1] = landfall_texel(1).xy;",
+            "    n = landfall_texel(2).xyz;",
+            "    landfall_main();",
+        ] {
+            assert!(text.lines().any(|other| other == line), "{line}\n--\n{text}");
+        }
+    }
+
+    #[test]
+    fn a_variable_that_begins_as_an_input_waits_for_it() {
+        let text = rewritten(
+            "#version 330\nin vec3 v;\nvec3 n = normalize(v);\nfloat k = 2.0;\nvoid main() {}\n",
+            &[input("v", 3)],
+        );
+        assert!(
+            text.contains("vec3 n;\n") && text.contains("    n = normalize ( v ) ;\n"),
+            "{text}"
+        );
+        assert!(text.contains("float k = 2.0;\n"), "{text}");
+    }
+}

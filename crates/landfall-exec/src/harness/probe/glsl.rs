@@ -1,0 +1,344 @@
+//! A GLSL shader with a probe for its `main`: the user's text as it is, then the reads.
+//!
+//! Reads a [`Plan`]; the text goes to the OpenGL driver, and through our own
+//! front end to the evaluator and wgpu.
+
+use std::fmt::Write as _;
+
+use super::plan::{Plan, Read, Way, top_member};
+use super::words;
+use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
+use landfall_layout::shape::{Scalar, ScalarKind, Type};
+use landfall_layout::source::{Language, Runs, Source};
+
+/// The storage block that holds the indices and takes the words.
+pub(crate) const RESULTS: &str = "LandfallWords";
+
+/// The user's text with its `main` put aside and the probe's in its place.
+pub(crate) fn text(
+    source: &Source,
+    block: &BlockLayout,
+    element: &[u32],
+    plan: &Plan,
+    stage: Runs,
+) -> String {
+    let head = Head::of(&source.text);
+    let mut text = aside(source, &head);
+    append(&mut text, source, block, element, plan, stage, &head);
+    text
+}
+
+/// The user's text with its `main` put aside.
+pub(crate) fn aside(source: &Source, head: &Head) -> String {
+    let mut text = String::with_capacity(source.text.len() + 4096);
+    text.push_str(&source.text[..head.end]);
+    if head.end > 0 && !text.ends_with('\n') {
+        text.push('\n');
+    }
+    if head.end == 0 {
+        text.push_str("#version 450\n");
+    }
+    // What the probe itself needs beyond the shader's version.
+    if !head.es && head.version < 430 && head.end > 0 {
+        text.push_str("#extension GL_ARB_shader_storage_buffer_object : enable\n");
+        text.push_str("#extension GL_ARB_shader_bit_encoding : enable\n");
+    }
+    text.push_str("#define main landfall_users_main\n");
+    let _ = writeln!(text, "#line {}", head.line);
+    text.push_str(&source.text[head.end..]);
+    text.push_str("\n#undef main\n");
+    text
+}
+
+/// What stands before a `main` of ours: the results' block, and a size where a workgroup has none.
+pub(crate) fn results(text: &mut String, source: &Source, stage: Runs, head: &Head) {
+    if head.es {
+        text.push_str("precision highp float;\nprecision highp int;\n");
+    }
+    let precision = if head.es { "highp " } else { "" };
+    let _ =
+        writeln!(text, "layout(std430) buffer {RESULTS} {{ {precision}uint landfall_words[]; }};");
+    if stage == Runs::Compute && !is_sized(&source.text) {
+        text.push_str("layout(local_size_x = 1) in;\n");
+    }
+}
+
+/// Whether a text says how large a workgroup is, in any direction.
+pub(crate) fn is_sized(text: &str) -> bool {
+    text.contains("local_size_")
+}
+
+/// A `main` of that stage, which one invocation runs.
+pub(crate) fn main(text: &mut String, stage: Runs, body: &str) {
+    text.push_str("void main() {\n");
+    match stage {
+        Runs::Vertex => text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n"),
+        // A group of the user's size would write every word many times over.
+        Runs::Compute => {
+            text.push_str("    if (gl_GlobalInvocationID != uvec3(0u)) return;\n");
+        }
+        Runs::Fragment => {}
+    }
+    text.push_str(body);
+    text.push_str("}\n");
+}
+
+/// The `#version` line: what it says and where it ends.
+pub(crate) struct Head {
+    /// One past its line break; 0 where there is none.
+    end: usize,
+    /// Number of the line after it.
+    line: usize,
+    pub(crate) version: u32,
+    pub(crate) es: bool,
+}
+
+impl Head {
+    pub(crate) fn of(text: &str) -> Head {
+        let mut end = 0;
+        for (number, line) in text.split_inclusive('\n').enumerate() {
+            end += line.len();
+            let words = line.trim_start().strip_prefix('#').map(str::trim_start);
+            let Some(words) = words.and_then(|words| words.strip_prefix("version")) else {
+                continue;
+            };
+            let mut words = words.split_whitespace();
+            let version = words.next().and_then(|word| word.parse().ok()).unwrap_or(110);
+            let es = version == 100 || words.next() == Some("es");
+            return Head { end, line: number + 2, version, es };
+        }
+        Head { end: 0, line: 1, version: 450, es: false }
+    }
+}
+
+fn append(
+    text: &mut String,
+    source: &Source,
+    block: &BlockLayout,
+    element: &[u32],
+    plan: &Plan,
+    stage: Runs,
+    head: &Head,
+) {
+    results(text, source, stage, head);
+    let root = root(block, element);
+    let mut body = String::new();
+    for (number, group) in groups(block, plan).into_iter().enumerate() {
+        let Group { way, member, start, reads } = group;
+        match way {
+            Way::Constant | Way::Dynamic => {
+                for read in reads {
+                    let from = format!("{root}{}", path(block, read, 0, way, plan));
+                    result(&mut body, read, &component(from, read, way, plan));
+                }
+            }
+            Way::Written => {
+                for (nth, read) in reads.into_iter().enumerate() {
+                    // Every other write finds its place by dynamic indices.
+                    let way = if nth % 2 == 0 { Way::Constant } else { Way::Dynamic };
+                    let to = format!("{root}{}", path(block, read, 0, way, plan));
+                    let to = component(to, read, way, plan);
+                    let _ = writeln!(body, "    {to} = {};", value(read));
+                }
+            }
+            Way::Copied | Way::Passed => {
+                let Some(member) = member else { continue };
+                let (declared, skipped) = declared(member, "landfall_copy");
+                let from = format!("{root}{}{}", member.name, subscripts(&start));
+                let mut inside = String::new();
+                for read in reads {
+                    let rest = path(block, read, skipped, Way::Constant, plan);
+                    let from = component(format!("landfall_copy{rest}"), read, way, plan);
+                    result(&mut inside, read, &from);
+                }
+                let name = format!("landfall_{}_{number}", way.name());
+                if way == Way::Passed {
+                    let _ = writeln!(text, "void {name}({declared}) {{\n{inside}}}");
+                    let _ = writeln!(body, "    {name}({from});");
+                } else {
+                    let _ =
+                        writeln!(text, "void {name}() {{\n    {declared} = {from};\n{inside}}}");
+                    let _ = writeln!(body, "    {name}();");
+                }
+            }
+        }
+    }
+    main(text, stage, &body);
+}
+
+/// What stands before the members: `block[1].`, or nothing.
+fn root(block: &BlockLayout, element: &[u32]) -> String {
+    match &block.instance {
+        Some(instance) => format!("{instance}{}.", subscripts(element)),
+        None => String::new(),
+    }
+}
+
+fn subscripts(indices: &[u32]) -> String {
+    indices.iter().fold(String::new(), |mut text, index| {
+        let _ = write!(text, "[{index}]");
+        text
+    })
+}
+
+/// Reads that share a copy, or that share nothing.
+pub(super) struct Group<'a> {
+    pub way: Way,
+    pub member: Option<&'a MemberLayout>,
+    /// Indices of the member's own dimensions, where its elements are structures.
+    pub start: Vec<u32>,
+    pub reads: Vec<&'a Read>,
+}
+
+/// The reads of a plan by the copy they need.
+pub(super) fn groups<'a>(block: &'a BlockLayout, plan: &'a Plan) -> Vec<Group<'a>> {
+    let mut groups: Vec<Group<'a>> = Vec::new();
+    for read in &plan.reads {
+        let (member, start) = match read.way {
+            Way::Copied | Way::Passed => {
+                let member = top_member(block, &block.leaves[read.leaf]);
+                let structure = member.is_some_and(is_structure);
+                let own = if structure { member.map_or(0, |m| m.dims.len()) } else { 0 };
+                (member, read.element[..own].to_vec())
+            }
+            Way::Constant | Way::Dynamic | Way::Written => (None, Vec::new()),
+        };
+        let name = member.map(|member| member.name.clone());
+        let same = groups.iter_mut().find(|group| {
+            let other = group.member.map(|member| member.name.clone());
+            (group.way, &other, &group.start) == (read.way, &name, &start)
+        });
+        match same {
+            Some(group) => group.reads.push(read),
+            None => groups.push(Group { way: read.way, member, start, reads: vec![read] }),
+        }
+    }
+    groups
+}
+
+pub(super) fn is_structure(member: &MemberLayout) -> bool {
+    matches!(member.ty.innermost(), Type::Struct(_))
+}
+
+/// `T name`, or `T name[4]` for a copy of a whole array; and how many segments of a leaf's path
+/// and of its indices the copy stands for.
+fn declared(member: &MemberLayout, name: &str) -> (String, usize) {
+    let inner = member.ty.innermost().spelled(Language::Glsl);
+    if is_structure(member) {
+        (format!("{inner} {name}"), member.dims.len())
+    } else {
+        let all = member.ty.spelled(Language::Glsl).to_string();
+        let dims = &all[inner.to_string().len()..];
+        (format!("{inner} {name}{dims}"), 0)
+    }
+}
+
+/// The leaf's path with its indices, the first `skipped` of them and the member they belong to
+/// left out where a copy stands for them.
+pub(super) fn path(
+    block: &BlockLayout,
+    read: &Read,
+    skipped: usize,
+    way: Way,
+    plan: &Plan,
+) -> String {
+    let leaf: &Leaf = &block.leaves[read.leaf];
+    let copied = matches!(read.way, Way::Copied | Way::Passed);
+    let mut rest = leaf.path.as_str();
+    let mut elements = read.element.iter();
+    if copied {
+        let name = rest.find(['.', '[']).unwrap_or(rest.len());
+        rest = &rest[name..];
+        for _ in 0..skipped {
+            rest = rest.strip_prefix("[]").unwrap_or(rest);
+            elements.next();
+        }
+    }
+    let mut text = String::new();
+    for (nth, part) in rest.split("[]").enumerate() {
+        if nth > 0 {
+            let index = elements.next().copied().unwrap_or(0);
+            let _ = write!(text, "[{}]", subscript(index, way, plan));
+        }
+        text.push_str(part);
+    }
+    text
+}
+
+/// An index as a number, or read from the words the results begin with.
+pub(super) fn subscript(index: u32, way: Way, plan: &Plan) -> String {
+    let slot = plan.indices.iter().position(|known| *known == index);
+    match (way, slot) {
+        (Way::Dynamic, Some(slot)) => format!("landfall_words[{slot}]"),
+        (Way::Dynamic | Way::Constant | Way::Copied | Way::Passed | Way::Written, _) => {
+            index.to_string()
+        }
+    }
+}
+
+/// The component of a vector or matrix: by name, or by index where the way is dynamic.
+pub(super) fn component(from: String, read: &Read, way: Way, plan: &Plan) -> String {
+    let column = read.column.map(u32::from).map(|column| subscript(column, way, plan));
+    let row = read.row.map(|row| match way {
+        Way::Dynamic => format!("[{}]", subscript(u32::from(row), way, plan)),
+        Way::Constant | Way::Copied | Way::Passed | Way::Written => {
+            format!(".{}", ["x", "y", "z", "w"][usize::from(row)])
+        }
+    });
+    match (column, row) {
+        (Some(column), Some(row)) => format!("{from}[{column}]{row}"),
+        (None, Some(row)) => format!("{from}{row}"),
+        (_, None) => from,
+    }
+}
+
+/// Stores a component's bits into its words.
+fn result(text: &mut String, read: &Read, from: &str) {
+    let slot = read.slot;
+    let _ = match kind(read.scalar) {
+        Kind::Float => writeln!(text, "    landfall_words[{slot}] = floatBitsToUint({from});"),
+        Kind::Whole => writeln!(text, "    landfall_words[{slot}] = uint({from});"),
+        Kind::Bool => writeln!(text, "    landfall_words[{slot}] = {from} ? 1u : 0u;"),
+        Kind::Double => writeln!(
+            text,
+            "    {{ uvec2 landfall_halves = unpackDouble2x32({from}); \
+             landfall_words[{slot}] = landfall_halves.x; \
+             landfall_words[{}] = landfall_halves.y; }}",
+            slot + 1
+        ),
+    };
+}
+
+/// What a write assigns.
+fn value(read: &Read) -> String {
+    let low = words::written(read.slot);
+    match kind(read.scalar) {
+        Kind::Float => format!("uintBitsToFloat({low}u)"),
+        Kind::Whole if read.scalar.kind == ScalarKind::Sint => format!("int({low}u)"),
+        Kind::Whole => format!("{low}u"),
+        Kind::Bool => "false".to_string(),
+        Kind::Double => {
+            format!("packDouble2x32(uvec2({low}u, {}u))", words::written(read.slot + 1))
+        }
+    }
+}
+
+/// How bits are told apart.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Float,
+    Whole,
+    Bool,
+    Double,
+}
+
+pub(super) fn kind(scalar: Scalar) -> Kind {
+    match scalar.kind {
+        ScalarKind::Bool => Kind::Bool,
+        ScalarKind::Sint | ScalarKind::Uint => Kind::Whole,
+        ScalarKind::Float if scalar.width == 8 => Kind::Double,
+        ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
+            Kind::Float
+        }
+    }
+}

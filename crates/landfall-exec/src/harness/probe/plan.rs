@@ -1,0 +1,381 @@
+//! Which reads prove a block: every leaf by constant and by dynamic index, at its
+//! first, middle and last element, through copies and as an argument.
+//!
+//! Reads [`layout`](landfall_layout::layout()); the byte each read must see comes from the
+//! layout that is to be proven, which need not be the shader's own.
+
+use std::collections::BTreeMap;
+
+use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
+use landfall_layout::shape::{AddressSpace, ArrayLen, Scalar, ScalarKind, Struct, Type};
+
+/// Elements a runtime-sized tail is given.
+pub const TAIL: u32 = 3;
+
+/// Words one probe returns at most: compilers take their time over longer ones.
+const MOST_WORDS: u32 = 250;
+
+/// Elements of a whole array that is copied at most.
+const LARGEST_COPY: u64 = 64;
+
+/// The largest buffer a probe fills: further words are no 32-bit float of their own.
+pub const LARGEST_BUFFER: u64 = 32 << 20;
+
+/// How a leaf is read, or written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Way {
+    /// `data[3].pos.x`.
+    Constant,
+    /// `data[i].pos[j]`, the indices known only when it runs.
+    Dynamic,
+    /// From a copy of the structure, or array, that it is in.
+    Copied,
+    /// From such a structure given to a function.
+    Passed,
+    /// Assigned, in a storage block.
+    Written,
+}
+
+impl Way {
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Way::Constant => "constant",
+            Way::Dynamic => "dynamic",
+            Way::Copied => "copied",
+            Way::Passed => "passed",
+            Way::Written => "written",
+        }
+    }
+}
+
+/// One component read, or written, in one way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Read {
+    /// Index into the block's leaves.
+    pub leaf: usize,
+    /// Indices for the dimensions on its path.
+    pub element: Vec<u32>,
+    /// Column of a matrix.
+    pub column: Option<u8>,
+    /// Component of a vector or of a matrix's column.
+    pub row: Option<u8>,
+    /// How.
+    pub way: Way,
+    /// Word of the results; a `double` takes two.
+    pub slot: u32,
+    /// The byte it must see.
+    pub byte: u64,
+    /// What the component is.
+    pub scalar: Scalar,
+}
+
+/// The reads of one run.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// The reads; their slots follow [`Plan::indices`].
+    pub reads: Vec<Read>,
+    /// Index values that reads use, in the words the results begin with.
+    pub indices: Vec<u32>,
+    /// Words of the results, indices included.
+    pub words: u32,
+}
+
+/// Why a leaf is not probed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unprobed {
+    /// The leaf's path.
+    pub path: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// What to do about a block.
+#[derive(Clone, Debug, Default)]
+pub struct Plans {
+    /// Runs that read.
+    pub reads: Vec<Plan>,
+    /// Runs that write.
+    pub writes: Vec<Plan>,
+    /// What is left out, and why.
+    pub unprobed: Vec<Unprobed>,
+}
+
+/// What may be done to the members of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Access {
+    /// They may be read.
+    pub read: bool,
+    /// They may be assigned.
+    pub write: bool,
+}
+
+/// Chooses the reads of a block whose members may be read and written like that. The bytes they
+/// must see are those of `expected`, which has the same leaves by path.
+pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: &[Access]) -> Plans {
+    let mut plans = Plans::default();
+    let by_path: BTreeMap<&str, &Leaf> =
+        expected.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
+    let mut batches: BTreeMap<bool, Batch> = BTreeMap::new();
+    for (index, leaf) in block.leaves.iter().enumerate() {
+        let expected = match by_path.get(leaf.path.as_str()) {
+            None => {
+                plans.leave_out(leaf, "the given layout has no such leaf");
+                continue;
+            }
+            Some(expected) => expected,
+        };
+        let scalar = match component(leaf) {
+            Ok(scalar) => scalar,
+            Err(reason) => {
+                plans.leave_out(leaf, reason);
+                continue;
+            }
+        };
+        let Some(elements) = elements(leaf) else {
+            plans.leave_out(leaf, "the size of its array is not known");
+            continue;
+        };
+        let top = top_member(block, leaf);
+        let at = top.and_then(|top| block.members.iter().position(|m| std::ptr::eq(m, top)));
+        let none = Access { read: false, write: false };
+        let access = at.and_then(|at| access.get(at)).copied().unwrap_or(none);
+        if access == none {
+            plans.leave_out(leaf, "it may be neither read nor written");
+            continue;
+        }
+        for way in ways(leaf, top, block.space, access) {
+            // A copy shows in two elements what it could show in all.
+            let copied = matches!(way, Way::Copied | Way::Passed);
+            let elements = if copied { &elements[..elements.len().min(2)] } else { &elements };
+            for element in elements {
+                for (column, row) in components(&leaf.ty) {
+                    let Some(byte) = byte_of(expected, element, column, row, scalar) else {
+                        plans.leave_out(leaf, "the given layout has another shape of it");
+                        continue;
+                    };
+                    let read = Read {
+                        leaf: index,
+                        element: element.clone(),
+                        column,
+                        row,
+                        way,
+                        slot: 0,
+                        byte,
+                        scalar,
+                    };
+                    let writes = way == Way::Written;
+                    let batch = batches.entry(writes).or_default();
+                    let full = batch.add(read);
+                    if full {
+                        let plan = std::mem::take(batch).finish();
+                        if writes { &mut plans.writes } else { &mut plans.reads }.push(plan);
+                    }
+                }
+            }
+        }
+    }
+    for (writes, batch) in batches {
+        if !batch.reads.is_empty() {
+            let plan = batch.finish();
+            if writes { &mut plans.writes } else { &mut plans.reads }.push(plan);
+        }
+    }
+    plans.unprobed.dedup();
+    plans
+}
+
+impl Plans {
+    fn leave_out(&mut self, leaf: &Leaf, reason: impl Into<String>) {
+        self.unprobed.push(Unprobed { path: leaf.path.clone(), reason: reason.into() });
+    }
+}
+
+/// Reads that go into one run.
+#[derive(Default)]
+struct Batch {
+    reads: Vec<Read>,
+    words: u32,
+}
+
+impl Batch {
+    /// Adds a read; whether the batch is full now.
+    fn add(&mut self, read: Read) -> bool {
+        self.words += words_of(read.scalar);
+        self.reads.push(read);
+        self.words >= MOST_WORDS
+    }
+
+    fn finish(mut self) -> Plan {
+        let mut indices: Vec<u32> = Vec::new();
+        let used = self.reads.iter().flat_map(|read| {
+            let (column, row) = (read.column.map(u32::from), read.row.map(u32::from));
+            read.element.iter().copied().chain(column).chain(row)
+        });
+        for index in used {
+            if !indices.contains(&index) {
+                indices.push(index);
+            }
+        }
+        let mut slot = indices.len() as u32;
+        for read in &mut self.reads {
+            read.slot = slot;
+            slot += words_of(read.scalar);
+        }
+        Plan { reads: self.reads, indices, words: slot }
+    }
+}
+
+/// Words a component takes.
+pub fn words_of(scalar: Scalar) -> u32 {
+    if scalar.width == 8 { 2 } else { 1 }
+}
+
+/// The component type of a leaf, if its bits can be told from a 32-bit word.
+fn component(leaf: &Leaf) -> Result<Scalar, String> {
+    let scalar = match &leaf.ty {
+        Type::Scalar(scalar) | Type::Atomic(scalar) => *scalar,
+        Type::Vector { scalar, .. } | Type::Matrix { scalar, .. } => *scalar,
+        Type::Address(name) => return Err(format!("a `{name}` is an address, not a value")),
+        Type::Struct(_) | Type::Array { .. } => return Err("it is no leaf".to_string()),
+    };
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float, 4)
+        | (ScalarKind::Float, 8) => Ok(scalar),
+        (_, width) => Err(format!(
+            "probes read components of 32 bits and doubles, it has {} bits",
+            u32::from(width) * 8
+        )),
+    }
+}
+
+/// First, middle and last of every dimension, the others at their first.
+fn elements(leaf: &Leaf) -> Option<Vec<Vec<u32>>> {
+    let mut dims: Vec<Vec<u32>> = Vec::with_capacity(leaf.dims.len());
+    for len in &leaf.dims {
+        let length = match len {
+            ArrayLen::Fixed(length) => *length,
+            ArrayLen::Runtime => TAIL,
+            ArrayLen::Override(_) => return None,
+        };
+        let last = length.checked_sub(1)?;
+        let mut chosen = vec![0, last / 2, last];
+        chosen.dedup();
+        dims.push(chosen);
+    }
+    let firsts: Vec<u32> = dims.iter().map(|dim| dim[0]).collect();
+    let lasts: Vec<u32> = dims.iter().filter_map(|dim| dim.last().copied()).collect();
+    let mut chosen = vec![firsts.clone(), lasts.clone()];
+    // Arrays of one element end where they begin.
+    chosen.dedup();
+    for (at, dim) in dims.iter().enumerate() {
+        for &index in dim {
+            let mut element = firsts.clone();
+            element[at] = index;
+            if !chosen.contains(&element) {
+                chosen.push(element);
+            }
+        }
+    }
+    Some(chosen)
+}
+
+/// Column and row of every component.
+fn components(ty: &Type) -> Vec<(Option<u8>, Option<u8>)> {
+    match ty {
+        Type::Vector { rows, .. } => (0..*rows).map(|row| (None, Some(row))).collect(),
+        Type::Matrix { columns, rows, .. } => (0..*columns)
+            .flat_map(|column| (0..*rows).map(move |row| (Some(column), Some(row))))
+            .collect(),
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Address(_)
+        | Type::Struct(_)
+        | Type::Array { .. } => vec![(None, None)],
+    }
+}
+
+/// Where a component of an element is, from the start of the block.
+pub fn byte_of(
+    leaf: &Leaf,
+    element: &[u32],
+    column: Option<u8>,
+    row: Option<u8>,
+    scalar: Scalar,
+) -> Option<u64> {
+    if leaf.strides.len() != element.len() {
+        return None;
+    }
+    let mut byte = leaf.offset?;
+    for (index, stride) in element.iter().zip(&leaf.strides) {
+        byte = byte.checked_add(u64::from(*index).checked_mul(*stride)?)?;
+    }
+    let width = u64::from(scalar.width);
+    let (column, row) = (u64::from(column.unwrap_or(0)), u64::from(row.unwrap_or(0)));
+    let inside = match leaf.matrix_stride {
+        Some(stride) if leaf.row_major => row * stride + column * width,
+        Some(stride) => column * stride + row * width,
+        None => row * width,
+    };
+    byte.checked_add(inside)
+}
+
+/// The member of the block that a leaf is in.
+pub fn top_member<'a>(block: &'a BlockLayout, leaf: &Leaf) -> Option<&'a MemberLayout> {
+    let name = leaf.path.split(['.', '[']).next()?;
+    block.members.iter().find(|member| &*member.name == name)
+}
+
+fn ways(leaf: &Leaf, top: Option<&MemberLayout>, space: AddressSpace, access: Access) -> Vec<Way> {
+    let mut ways = Vec::new();
+    if access.read {
+        ways.push(Way::Constant);
+        let indexed =
+            !leaf.dims.is_empty() || !matches!(leaf.ty, Type::Scalar(_) | Type::Atomic(_));
+        if indexed {
+            ways.push(Way::Dynamic);
+        }
+        match top.map(|top| (top, top.ty.innermost())) {
+            Some((_, Type::Struct(structure))) if can_be_copied(structure) => {
+                // A copy of a structure without a name cannot be declared.
+                if !structure.name.is_empty() {
+                    ways.extend([Way::Copied, Way::Passed]);
+                }
+            }
+            Some((top, _)) if !top.dims.is_empty() && is_small(top) && !has_atomic(&top.ty) => {
+                ways.push(Way::Copied);
+            }
+            Some(_) | None => {}
+        }
+    }
+    if access.write && space == AddressSpace::Storage && !matches!(leaf.ty, Type::Atomic(_)) {
+        ways.push(Way::Written);
+    }
+    ways
+}
+
+/// Neither WGSL's atomics nor GLSL's samplers can be copied.
+fn can_be_copied(structure: &Struct) -> bool {
+    structure.opaque.is_empty()
+        && structure.members.iter().all(|member| match member.ty.innermost() {
+            Type::Struct(inner) => can_be_copied(inner),
+            ty => !has_atomic(ty),
+        })
+}
+
+fn is_small(member: &MemberLayout) -> bool {
+    let count = member.dims.iter().try_fold(1u64, |product, len| match len {
+        ArrayLen::Fixed(length) => product.checked_mul(u64::from(*length)),
+        ArrayLen::Runtime | ArrayLen::Override(_) => None,
+    });
+    count.is_some_and(|count| count <= LARGEST_COPY)
+}
+
+fn has_atomic(ty: &Type) -> bool {
+    match ty {
+        Type::Atomic(_) => true,
+        Type::Array { element, .. } => has_atomic(element),
+        Type::Struct(structure) => structure.members.iter().any(|member| has_atomic(&member.ty)),
+        Type::Scalar(_) | Type::Vector { .. } | Type::Matrix { .. } | Type::Address(_) => false,
+    }
+}

@@ -1,0 +1,138 @@
+//! A WGSL shader with a probe for an entry point: the user's text as it is, then the reads.
+//!
+//! Reads a [`Plan`]; the text goes through naga, its offsets replaced by ours, to the
+//! evaluator and wgpu.
+
+use std::fmt::Write as _;
+
+use super::glsl::{Group, Kind, component, groups, is_structure, kind, path};
+use super::plan::{Plan, Read, Way};
+use super::words;
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::shape::{AddressSpace, ScalarKind, Type};
+use landfall_layout::source::{Language, Runs, Source};
+
+/// The entry point that is added.
+pub(crate) const ENTRY: &str = "landfall_probe";
+
+/// The user's text and a probe after it.
+pub(crate) fn text(source: &Source, block: &BlockLayout, plan: &Plan, stage: Runs) -> String {
+    let mut text = source.text.to_string();
+    let binding = free_binding(&text);
+    let _ = write!(
+        text,
+        "\n@group(0) @binding({binding}) var<storage, read_write> landfall_words: array<u32>;\n"
+    );
+    // A plain store type is named as the variable: its path begins with it.
+    let root = block.instance.as_ref().map_or(String::new(), |instance| format!("{instance}."));
+    let mut body = String::new();
+    for (number, group) in groups(block, plan).into_iter().enumerate() {
+        let Group { way, member, start, reads } = group;
+        match way {
+            Way::Constant | Way::Dynamic => {
+                for read in reads {
+                    let from = format!("{root}{}", path(block, read, 0, way, plan));
+                    let from = component(from, read, way, plan);
+                    result(&mut body, read, &loaded(block, read, from));
+                }
+            }
+            Way::Written => {
+                for (nth, read) in reads.into_iter().enumerate() {
+                    let way = if nth % 2 == 0 { Way::Constant } else { Way::Dynamic };
+                    let to = format!("{root}{}", path(block, read, 0, way, plan));
+                    let to = component(to, read, way, plan);
+                    let _ = writeln!(body, "    {to} = {};", value(read));
+                }
+            }
+            Way::Copied | Way::Passed => {
+                let Some(member) = member else { continue };
+                let mut from = format!("{root}{}", member.name);
+                for index in &start {
+                    let _ = write!(from, "[{index}]");
+                }
+                let skipped = if is_structure(member) { member.dims.len() } else { 0 };
+                let mut inside = String::new();
+                for read in reads {
+                    let rest = path(block, read, skipped, Way::Constant, plan);
+                    let from = component(format!("landfall_copy{rest}"), read, way, plan);
+                    result(&mut inside, read, &from);
+                }
+                let name = format!("landfall_{}_{number}", way.name());
+                if way == Way::Passed {
+                    let ty = member.ty.innermost().spelled(Language::Wgsl);
+                    let _ = writeln!(text, "fn {name}(landfall_copy: {ty}) {{\n{inside}}}");
+                    let _ = writeln!(body, "    {name}({from});");
+                } else {
+                    let _ = writeln!(
+                        text,
+                        "fn {name}() {{\n    var landfall_copy = {from};\n{inside}}}"
+                    );
+                    let _ = writeln!(body, "    {name}();");
+                }
+            }
+        }
+    }
+    entry(&mut text, ENTRY, stage, &body);
+    text
+}
+
+/// An entry point of that stage, which one invocation runs.
+pub(crate) fn entry(text: &mut String, name: &str, stage: Runs, body: &str) {
+    let _ = match stage {
+        Runs::Vertex => writeln!(
+            text,
+            "@vertex fn {name}() -> @builtin(position) vec4<f32> {{\n{body}    \
+             return vec4<f32>(0.0, 0.0, 0.0, 1.0);\n}}"
+        ),
+        Runs::Fragment => writeln!(
+            text,
+            "@fragment fn {name}() -> @location(0) vec4<u32> {{\n{body}    \
+             return vec4<u32>(0u);\n}}"
+        ),
+        Runs::Compute => writeln!(text, "@compute @workgroup_size(1) fn {name}() {{\n{body}}}"),
+    };
+}
+
+/// A binding of group 0 that no `@binding(` of the text has.
+pub(crate) fn free_binding(text: &str) -> u32 {
+    let after = text.split("@binding").skip(1);
+    let numbers = after.filter_map(|rest| {
+        let rest = rest.trim_start().strip_prefix('(')?.trim_start();
+        let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+        rest[..end].parse::<u32>().ok()
+    });
+    numbers.max().map_or(0, |most| most.saturating_add(1))
+}
+
+/// A value, through `atomicLoad` where it is an atomic.
+fn loaded(block: &BlockLayout, read: &Read, from: String) -> String {
+    match &block.leaves[read.leaf].ty {
+        Type::Atomic(_) if block.space == AddressSpace::Storage => format!("atomicLoad(&{from})"),
+        _ => from,
+    }
+}
+
+fn result(text: &mut String, read: &Read, from: &str) {
+    let slot = read.slot;
+    let _ = match kind(read.scalar) {
+        Kind::Whole if read.scalar.kind == ScalarKind::Uint => {
+            writeln!(text, "    landfall_words[{slot}] = {from};")
+        }
+        Kind::Float | Kind::Whole => {
+            writeln!(text, "    landfall_words[{slot}] = bitcast<u32>({from});")
+        }
+        // Neither stands in a WGSL buffer; naga's f64 has no bits in WGSL.
+        Kind::Bool => writeln!(text, "    landfall_words[{slot}] = select(0u, 1u, {from});"),
+        Kind::Double => Ok(()),
+    };
+}
+
+fn value(read: &Read) -> String {
+    let bits = words::written(read.slot);
+    match kind(read.scalar) {
+        Kind::Whole if read.scalar.kind == ScalarKind::Uint => format!("{bits}u"),
+        Kind::Whole => format!("bitcast<i32>({bits}u)"),
+        Kind::Float | Kind::Double => format!("bitcast<f32>({bits}u)"),
+        Kind::Bool => "false".to_string(),
+    }
+}

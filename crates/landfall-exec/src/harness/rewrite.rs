@@ -1,0 +1,513 @@
+//! The user's GLSL with what a stage is given turned into variables that a new `main` can fill:
+//! inputs, built-in ones among them, and the blocks that are named. What was `main` becomes a
+//! function.
+//!
+//! Everything else stays as it was written; includes are put in and macros expanded first, so
+//! that a declaration made by a macro is found. Reads a text flattened by
+//! [`raw::flattened`]; feeds [`fragments`](super::fragments) and [`call`](super::call).
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use rustc_hash::FxHashSet;
+
+use crate::harness::verify::partner;
+use landfall_layout::source::{ReadOptions, Source};
+use landfall_layout::syntax::glsl::lexer::Kind;
+pub use landfall_layout::syntax::glsl::raw;
+pub use landfall_layout::syntax::glsl::raw::{RawText, RawToken};
+
+/// The name of what was `main`.
+pub(super) const MAIN: &str = "landfall_main";
+
+/// What is to become variables besides inputs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wanted {
+    /// Names that have no value before the new `main` gives them one: inputs, members of blocks.
+    pub late: Vec<String>,
+    /// Variables of the language's own, and what stands for them.
+    pub builtins: Vec<Builtin>,
+    /// Names of the blocks that become variables.
+    pub blocks: Vec<String>,
+}
+
+/// A variable of the language's own that another stands for.
+#[derive(Clone, Debug)]
+pub(super) struct Builtin {
+    /// `gl_FragCoord`.
+    pub name: String,
+    /// The variable's name.
+    pub own: String,
+    /// The variable's type.
+    pub ty: &'static str,
+}
+
+/// A text without a `main`.
+#[derive(Debug)]
+pub(super) struct Rewritten {
+    /// Its text.
+    pub text: String,
+    /// Blocks that became variables, and their instances.
+    pub blocks: Vec<(String, Option<String>)>,
+    /// Assignments for the new `main` to make when all else has its value.
+    pub late: Vec<String>,
+    /// Its tokens, for who looks for more.
+    pub raw: RawText,
+    /// What the tokens are of.
+    pub flat: Source,
+}
+
+impl Rewritten {
+    /// A path as `main` can write it: a member of a block is named by GLSL after its instance.
+    pub fn renamed(&self, path: &str) -> String {
+        let Some((block, rest)) = path.split_once('.') else { return path.to_string() };
+        match self.blocks.iter().find(|(name, _)| name == block) {
+            Some((_, Some(instance))) => format!("{instance}.{rest}"),
+            Some((_, None)) => rest.to_string(),
+            None => path.to_string(),
+        }
+    }
+}
+
+/// The name a path begins with.
+pub(super) fn root(path: &str) -> &str {
+    path.split(['.', '[']).next().unwrap_or(path)
+}
+
+/// Rewrites a text.
+pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted) -> Rewritten {
+    let flat = Source { text: Arc::from(raw::flattened(source, options)), ..source.clone() };
+    // Macros are gone, and definitions of the command line with them.
+    let raw = raw::read(&flat, &ReadOptions::default());
+    let mut rewriter = Rewriter {
+        text: &flat.text,
+        wanted,
+        out: String::new(),
+        blocks: Vec::new(),
+        late: Vec::new(),
+        late_names: wanted.late.iter().map(String::as_str).collect(),
+    };
+    let highp = if raw.es { "highp " } else { "" };
+    let tokens = &raw.tokens;
+    let mut at = 0;
+    let mut declared = false;
+    while at < tokens.len() {
+        if tokens[at].directive.is_none() && !std::mem::replace(&mut declared, true) {
+            for builtin in &wanted.builtins {
+                let precision = if builtin.ty == "bool" { "" } else { highp };
+                let _ = writeln!(rewriter.out, "{precision}{} {};", builtin.ty, builtin.own);
+            }
+        }
+        if let Some(directive) = tokens[at].directive {
+            let same = |t: &&RawToken| t.directive == Some(directive);
+            let count = tokens[at..].iter().take_while(same).count();
+            let line = &flat.text[tokens[at].start..tokens[at + count - 1].end];
+            let _ = writeln!(rewriter.out, "{line}");
+            at += count;
+            continue;
+        }
+        let word = |token: &RawToken| &flat.text[token.start..token.end];
+        let found = partner::statement(&tokens[at..], &word);
+        let statement = &tokens[at..at + found.end];
+        at += found.end;
+        rewriter.statement(statement, found.function);
+    }
+    let Rewriter { out, blocks, late, .. } = rewriter;
+    Rewritten { text: out, blocks, late, raw, flat }
+}
+
+/// Words before a type that mean something of inputs alone.
+const INPUT_WORDS: [&str; 9] = [
+    "in",
+    "varying",
+    "attribute",
+    "flat",
+    "smooth",
+    "noperspective",
+    "centroid",
+    "sample",
+    "invariant",
+];
+
+/// Words of a block or its members that a structure has none of.
+const BLOCK_WORDS: [&str; 7] =
+    ["uniform", "buffer", "readonly", "writeonly", "coherent", "volatile", "restrict"];
+
+struct Rewriter<'t> {
+    text: &'t str,
+    wanted: &'t Wanted,
+    out: String,
+    blocks: Vec<(String, Option<String>)>,
+    late: Vec<String>,
+    /// What has no value before the new `main` runs, as far as the text is read.
+    late_names: FxHashSet<&'t str>,
+}
+
+impl<'t> Rewriter<'t> {
+    fn word(&self, token: &RawToken) -> &'t str {
+        &self.text[token.start..token.end]
+    }
+
+    fn statement(&mut self, tokens: &[RawToken], function: bool) {
+        let mut depth = 0u32;
+        let mut head = Vec::new();
+        for token in tokens {
+            match self.word(token) {
+                "(" => depth += 1,
+                ")" => depth = depth.saturating_sub(1),
+                "{" | "=" if depth == 0 => break,
+                word if depth == 0 => head.push(word),
+                _ => {}
+            }
+        }
+        let has = |name: &str| head.contains(&name);
+        let of_inputs =
+            has("in") && !(head.len() <= 3 && has(";")) || has("varying") || has("attribute");
+        let own = head.iter().any(|word| word.starts_with("gl_"));
+        // `invariant normal;` of an input.
+        let again = matches!(head[..], ["invariant" | "centroid", name, ";"] if self.waiting(name));
+        if own && of_inputs && head.iter().any(|word| self.builtin(word).is_some()) {
+            return;
+        }
+        let opening = tokens.iter().position(|token| self.word(token) == "{");
+        if let (false, true, Some(opening)) =
+            (function, has("uniform") || has("buffer"), opening.filter(|_| !has(";")))
+        {
+            let named = |name: &&str| self.wanted.blocks.iter().any(|block| block == name);
+            if head.last().is_some_and(named) {
+                return self.block(tokens, opening, &BLOCK_WORDS);
+            }
+        }
+        if function || !(of_inputs || again) || own {
+            return self.other(tokens, &head, function);
+        }
+        if again {
+            return;
+        }
+        match opening {
+            Some(opening) => self.block(tokens, opening, &INPUT_WORDS),
+            None => {
+                let words = self.plain(tokens, &INPUT_WORDS);
+                let _ = writeln!(self.out, "{}", words.join(" "));
+            }
+        }
+    }
+
+    /// What stands for a variable of the language's own.
+    fn builtin(&self, word: &str) -> Option<&'t Builtin> {
+        self.wanted.builtins.iter().find(|builtin| builtin.name == word)
+    }
+
+    fn waiting(&self, name: &str) -> bool {
+        self.wanted.late.iter().any(|late| late == name)
+    }
+
+    /// The words of a declaration without its layout and those that are left out.
+    fn plain(&self, tokens: &[RawToken], without: &[&str]) -> Vec<&'t str> {
+        let mut words = Vec::new();
+        let mut at = 0;
+        while at < tokens.len() {
+            let word = self.word(&tokens[at]);
+            at += 1;
+            if word == "layout" {
+                let close = tokens[at..].iter().position(|t| self.word(t) == ")");
+                at += close.map_or(0, |close| close + 1);
+            } else if !without.contains(&word) {
+                words.push(word);
+            }
+        }
+        words
+    }
+
+    /// A block: a structure and a variable, or a variable for each member.
+    fn block(&mut self, tokens: &[RawToken], opening: usize, without: &[&str]) {
+        let name = match opening.checked_sub(1) {
+            Some(before) => self.word(&tokens[before]).to_string(),
+            None => String::new(),
+        };
+        let close = tokens.iter().rposition(|token| self.word(token) == "}");
+        let close = close.unwrap_or(tokens.len() - 1);
+        let members = self.plain(&tokens[opening + 1..close], without);
+        let rest = self.plain(&tokens[close + 1..], without);
+        match rest.first().filter(|word| **word != ";") {
+            Some(instance) => {
+                self.late_names.insert(instance);
+                let members = members.join(" ");
+                self.blocks.push((name.clone(), Some((*instance).to_string())));
+                let rest = rest.join(" ");
+                let _ = writeln!(self.out, "struct landfall_{name} {{ {members} }};");
+                let _ = writeln!(self.out, "landfall_{name} {rest}");
+            }
+            None => {
+                let each = apart(&members, ";").flat_map(|member| apart(member, ","));
+                self.late_names.extend(each.filter_map(|one| Declared::of(one).name()));
+                self.blocks.push((name, None));
+                let _ = writeln!(self.out, "{}", members.join(" "));
+            }
+        }
+    }
+
+    /// What declares no input, as it stands.
+    fn other(&mut self, tokens: &[RawToken], head: &[&str], function: bool) {
+        if self.waits(tokens, head, function) {
+            return;
+        }
+        let mut before = tokens.first().map_or(0, |token| token.start);
+        let mut last = "";
+        for token in tokens {
+            let gap = &self.text[before..token.start];
+            self.out.push_str(if gap.contains('\n') {
+                "\n"
+            } else if gap.is_empty() {
+                ""
+            } else {
+                " "
+            });
+            before = token.end;
+            let word = self.word(token);
+            let is_main = word == "main" && last == "void" && token.kind == Kind::Name;
+            self.out.push_str(match word {
+                _ if is_main => MAIN,
+                word => self.builtin(word).map_or(word, |builtin| builtin.own.as_str()),
+            });
+            last = word;
+        }
+        self.out.push('\n');
+    }
+
+    /// Leaves out the values that a declaration begins with where they read what has none yet, as
+    /// `vec3 n = normalize(v);` does of an input, for the new `main` to assign. What is declared so
+    /// is late itself, and so is a function that reads it.
+    fn waits(&mut self, tokens: &[RawToken], head: &[&str], function: bool) -> bool {
+        let words: Vec<&'t str> = tokens.iter().map(|token| self.word(token)).collect();
+        let mut depth = 0u32;
+        let opening = words.iter().position(|word| {
+            match *word {
+                "[" | "{" => depth += 1,
+                "]" | "}" => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            depth == 0 && *word == "("
+        });
+        let called = opening.and_then(|at| at.checked_sub(1));
+        if function {
+            if let Some(called) = called.filter(|_| self.reads(&words)) {
+                self.late_names.insert(words[called]);
+            }
+            return false;
+        }
+        let fixed = ["const", "uniform", "out", "buffer", "shared"];
+        if head.iter().any(|word| fixed.contains(word)) {
+            return false;
+        }
+        let words = words.strip_suffix(&[";"]).unwrap_or(&words);
+        let declared: Vec<Declared<'_, 't>> = apart(words, ",").map(Declared::of).collect();
+        if declared.iter().all(|one| one.value.is_none()) {
+            // What a function reads that is defined further on is not known yet.
+            self.late_names.extend(called.map(|called| words[called]));
+            return false;
+        }
+        let mut list = Vec::new();
+        let mut waits = false;
+        for one in &declared {
+            let (to, value) = (self.joined(one.to), one.value.unwrap_or_default());
+            if !self.reads(value) {
+                let value = one.value.map(|value| format!(" = {}", self.joined(value)));
+                list.push(to + &value.unwrap_or_default());
+                continue;
+            }
+            let Some((at, ty)) = one.at().zip(declared[0].ty()) else { return false };
+            let name = one.to[at];
+            waits = true;
+            self.late_names.insert(name);
+            // An array that is not initialised has sizes: those of the name, then of the type.
+            let dims = &one.to[at + 1..];
+            let inner = dims.iter().filter(|word| **word == "[").count();
+            let before = self.sized(&one.to[..at], value, inner);
+            let (ty, dims) = (self.sized(&ty, value, inner), self.sized(dims, value, 0));
+            let value = self.joined(value);
+            self.late.push(match value.starts_with('{') {
+                // No expression, but for a variable that begins with it.
+                true => {
+                    format!("{{ {ty} landfall_late {dims} = {value} ; {name} = landfall_late ; }}")
+                }
+                false => format!("{name} = {value} ;"),
+            });
+            let declared = [before.as_str(), name, dims.as_str()];
+            let words = declared.into_iter().filter(|words| !words.is_empty());
+            list.push(words.collect::<Vec<_>>().join(" "));
+        }
+        if waits {
+            let _ = writeln!(self.out, "{};", list.join(", "));
+        }
+        waits
+    }
+
+    /// Whether words read what is late; a member of that name is another's.
+    fn reads(&self, words: &[&str]) -> bool {
+        let before = std::iter::once("").chain(words.iter().copied());
+        before.zip(words).any(|(before, word)| before != "." && self.late_names.contains(word))
+    }
+
+    /// Words with the sizes that a value gives to dimensions that have none; the first of them is
+    /// of that level.
+    fn sized(&self, words: &[&'t str], value: &[&'t str], mut level: usize) -> String {
+        let mut sized = Vec::new();
+        let mut depth = 0u32;
+        for (at, word) in words.iter().enumerate() {
+            sized.push(self.joined(&[word]));
+            if *word == "[" && depth == 0 {
+                if words.get(at + 1) == Some(&"]") {
+                    sized.push(elements(value, level).to_string());
+                }
+                level += 1;
+            }
+            match *word {
+                "[" | "{" | "(" => depth += 1,
+                "]" | "}" | ")" => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+        }
+        sized.join(" ")
+    }
+
+    /// Words as they are to be written.
+    fn joined(&self, words: &[&'t str]) -> String {
+        let own = |word: &&'t str| self.builtin(word).map_or(*word, |builtin| builtin.own.as_str());
+        words.iter().map(own).collect::<Vec<&str>>().join(" ")
+    }
+}
+
+/// One of what a declaration declares.
+struct Declared<'w, 't> {
+    /// The first with its type: `vec3 n`; `q [ 2 ]` further on.
+    to: &'w [&'t str],
+    value: Option<&'w [&'t str]>,
+}
+
+impl<'w, 't> Declared<'w, 't> {
+    fn of(words: &'w [&'t str]) -> Declared<'w, 't> {
+        let mut parts = apart(words, "=");
+        Declared { to: parts.next().unwrap_or_default(), value: parts.next() }
+    }
+
+    /// Where its name stands: before its dimensions.
+    fn at(&self) -> Option<usize> {
+        let mut depth = 0u32;
+        self.to.iter().rposition(|word| {
+            match *word {
+                "]" => depth += 1,
+                "[" => depth = depth.saturating_sub(1),
+                _ => return depth == 0,
+            }
+            false
+        })
+    }
+
+    fn name(&self) -> Option<&'t str> {
+        self.at().map(|at| self.to[at])
+    }
+
+    /// The type it begins with; a structure that is declared here by its name.
+    fn ty(&self) -> Option<Vec<&'t str>> {
+        let words = self.to[..self.at()?].to_vec();
+        match words.iter().position(|word| *word == "struct") {
+            Some(at) => words.get(at + 1).map(|name| vec![*name]),
+            None => Some(words),
+        }
+    }
+}
+
+/// Words between those that part them, brackets left whole.
+fn apart<'w, 't>(
+    words: &'w [&'t str],
+    by: &'static str,
+) -> impl Iterator<Item = &'w [&'t str]> + use<'w, 't> {
+    let mut depth = 0u32;
+    words.split(move |word| {
+        match *word {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && *word == by
+    })
+}
+
+/// How many elements `float[](a, b)` and `{ a, b }` have; of a deeper level, their first.
+fn elements(value: &[&str], level: usize) -> usize {
+    let opening = value.iter().position(|word| matches!(*word, "(" | "{")).unwrap_or(0);
+    let inside = value.get(opening + 1..value.len().saturating_sub(1)).unwrap_or_default();
+    // A comma may come last.
+    let mut each = apart(inside, ",").filter(|element| !element.is_empty());
+    match level.checked_sub(1) {
+        None => each.count(),
+        Some(level) => each.next().map_or(0, |first| elements(first, level)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What becomes of a text whose `v` is an input: the declarations, and what is late.
+    fn made(text: &str) -> (String, Vec<String>) {
+        let wanted = Wanted { late: vec!["v".to_string()], ..Wanted::default() };
+        let source = Source::new("a.frag", format!("#version 450\nin vec3 v;\n{text}\n"));
+        let made = rewritten(&source, &ReadOptions::default(), &wanted);
+        let text = made.text.split_once("vec3 v ;\n").expect("the input comes first").1;
+        (text.trim().to_string(), made.late)
+    }
+
+    #[test]
+    fn what_reads_a_late_variable_is_late_too() {
+        let (text, late) = made("vec3 n = v * 2.0;\nvec3 k = n * 3.0;\nfloat c = 2.0;");
+        assert_eq!(text, "vec3 n;\nvec3 k;\nfloat c = 2.0;");
+        assert_eq!(late, ["n = v * 2.0 ;", "k = n * 3.0 ;"]);
+    }
+
+    #[test]
+    fn only_the_late_ones_of_a_list_wait() {
+        let (text, late) = made("float a[2] = float[2](v.x, 1.0), b = 3.0, c = min(a[1], b), d;");
+        assert_eq!(text, "float a [ 2 ], b = 3.0, c, d;");
+        assert_eq!(late, ["a = float [ 2 ] ( v . x , 1.0 ) ;", "c = min ( a [ 1 ] , b ) ;"]);
+    }
+
+    #[test]
+    fn arrays_keep_their_sizes_and_lists_of_values() {
+        let (text, late) = made("float a[] = float[](v.x, max(v.y, 0.0));\nfloat[] b = { v.z, };");
+        assert_eq!(text, "float a [ 2 ];\nfloat [ 1 ] b;");
+        let own = "{ float [ 1 ] landfall_late  = { v . z , } ; b = landfall_late ; }";
+        assert_eq!(late, ["a = float [ ] ( v . x , max ( v . y , 0.0 ) ) ;", own]);
+        // The sizes of the name come first, then those of the type: both are 3 of 2.
+        let value = "{ { v.x, 1.0 }, { v.y, 2.0 }, { v.z, 3.0 } }";
+        let (text, _) = made(&format!("float c[][] = {value};\nfloat[] d[] = {value};"));
+        assert_eq!(text, "float c [ 3 ] [ 2 ];\nfloat [ 2 ] d [ 3 ];");
+        let (text, _) = made(&format!("float e[3][] = {value}, f[][2] = {value};"));
+        assert_eq!(text, "float e [ 3 ] [ 2 ], f [ 3 ] [ 2 ];");
+    }
+
+    #[test]
+    fn what_reads_a_block_of_inputs_is_late() {
+        let (_, late) = made(
+            "in S { vec2 uv; } s;\nin T { flat int id, of[2]; };\nvec2 a = s.uv;\nint b = id;\n\
+             int c = of[1];\nvec2 d = vec2(1.0);",
+        );
+        assert_eq!(late, ["a = s . uv ;", "b = id ;", "c = of [ 1 ] ;"]);
+    }
+
+    #[test]
+    fn functions_that_read_an_input_are_late() {
+        let text = "float after();\nfloat f() { return v.x; }\nfloat g(S s) { return s.v; }\n\
+                    float a = f();\nfloat b = g(s);\nfloat c = after();";
+        let late = made(text).1;
+        assert_eq!(late, ["a = f ( ) ;", "c = after ( ) ;"]);
+    }
+
+    #[test]
+    fn constants_and_what_reads_nothing_stay_as_they_were_written() {
+        for text in ["const float a = 1.0, b = 2.0;", "float v2 = s.v;"] {
+            assert_eq!(made(text), (text.to_string(), Vec::new()), "{text}");
+        }
+    }
+}

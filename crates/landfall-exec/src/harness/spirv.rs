@@ -1,0 +1,258 @@
+//! Where a compiler of the user's own put every member: the decorations of a SPIR-V module.
+//!
+//! Reads names, types and decorations only (SPIR-V 1.6 §2.3, §3.20); feeds
+//! [`verify`](super::verify), which holds them against the layout.
+
+use rustc_hash::FxHashMap;
+
+use crate::backend::Failure;
+use crate::backend::reflection::{ReflectedBlock, ReflectedMember, Reflection};
+
+const MAGIC: u32 = 0x0723_0203;
+
+/// Structures and arrays may nest this deep, and a block have so many members.
+const DEEPEST: u32 = 128;
+const MOST_MEMBERS: usize = 100_000;
+
+/// A type as far as it has a layout.
+#[derive(Clone, Debug)]
+enum Type {
+    Leaf,
+    Matrix,
+    Array { element: u32, length: Option<u32> },
+    Struct(Vec<u32>),
+    Pointer(u32),
+}
+
+/// What a module says, by id.
+#[derive(Default)]
+struct Module {
+    names: FxHashMap<u32, String>,
+    member_names: FxHashMap<(u32, u32), String>,
+    types: FxHashMap<u32, Type>,
+    constants: FxHashMap<u32, u32>,
+    strides: FxHashMap<u32, u32>,
+    offsets: FxHashMap<(u32, u32), u32>,
+    matrix_strides: FxHashMap<(u32, u32), u32>,
+    row_major: FxHashMap<(u32, u32), bool>,
+    /// `BufferBlock`: what storage blocks were before SPIR-V 1.3.
+    buffer_blocks: FxHashMap<u32, bool>,
+    bindings: FxHashMap<u32, u32>,
+    /// Variables: id, pointer type, storage class.
+    variables: Vec<(u32, u32, u32)>,
+}
+
+/// The words of a SPIR-V file.
+///
+/// # Errors
+/// It is none.
+pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
+    let words = bytes.chunks_exact(4);
+    if bytes.len() < 20 || !words.remainder().is_empty() {
+        return Err(Failure::refused("the file is too short, or no whole number of words", ""));
+    }
+    let words: Vec<u32> =
+        words.map(|b| u32::from_le_bytes(b.try_into().expect("chunks of four"))).collect();
+    match words[0] {
+        MAGIC => Ok(words),
+        swapped if swapped.swap_bytes() == MAGIC => {
+            Ok(words.into_iter().map(u32::swap_bytes).collect())
+        }
+        other => Err(Failure::refused(
+            format!("the file is no SPIR-V: it begins with 0x{other:08x}, not 0x{MAGIC:08x}"),
+            "",
+        )),
+    }
+}
+
+/// Every uniform and storage block of a module, its members down to scalars, vectors and
+/// matrices.
+///
+/// # Errors
+/// The words are no SPIR-V, or end within an instruction.
+pub fn reflect(words: &[u32]) -> Result<Reflection, Failure> {
+    let module = read(words)?;
+    let mut reflection =
+        Reflection { uniform_blocks: Vec::new(), storage_blocks: Vec::new(), uniforms: Vec::new() };
+    for &(id, pointer, class) in &module.variables {
+        // Uniform, PushConstant and StorageBuffer (§3.7).
+        if ![2, 9, 12].contains(&class) {
+            continue;
+        }
+        let Some(Type::Pointer(mut ty)) = module.types.get(&pointer).cloned() else { continue };
+        // An array of blocks.
+        while let Some(Type::Array { element, .. }) = module.types.get(&ty) {
+            ty = *element;
+        }
+        let Some(Type::Struct(_)) = module.types.get(&ty) else { continue };
+        let mut block = ReflectedBlock {
+            name: module.names.get(&ty).cloned().unwrap_or_default(),
+            binding: module.bindings.get(&id).copied().unwrap_or(0),
+            size: 0,
+            members: Vec::new(),
+        };
+        let place = Place { path: String::new(), offset: 0, matrix: (0, false) };
+        module.walk(ty, place, 0, &mut block.members)?;
+        let storage = class == 12 || module.buffer_blocks.contains_key(&ty);
+        if storage { &mut reflection.storage_blocks } else { &mut reflection.uniform_blocks }
+            .push(block);
+    }
+    Ok(reflection)
+}
+
+/// The way to a type: its path, its byte, and how a matrix there is stored.
+struct Place {
+    path: String,
+    offset: u64,
+    matrix: (u32, bool),
+}
+
+impl Module {
+    fn walk(
+        &self,
+        ty: u32,
+        at: Place,
+        depth: u32,
+        members: &mut Vec<ReflectedMember>,
+    ) -> Result<(), Failure> {
+        if depth > DEEPEST || members.len() > MOST_MEMBERS {
+            return Err(Failure::refused("the module's types nest too deep or are too many", ""));
+        }
+        match self.types.get(&ty) {
+            Some(Type::Struct(parts)) => {
+                for (nth, part) in parts.iter().enumerate() {
+                    let key = (ty, nth as u32);
+                    let name = self.member_names.get(&key).cloned().unwrap_or_default();
+                    let dot = if at.path.is_empty() { "" } else { "." };
+                    let own = self.offsets.get(&key).copied().unwrap_or(0);
+                    let place = Place {
+                        path: format!("{}{dot}{name}", at.path),
+                        offset: at.offset + u64::from(own),
+                        matrix: (
+                            self.matrix_strides.get(&key).copied().unwrap_or(0),
+                            self.row_major.contains_key(&key),
+                        ),
+                    };
+                    self.walk(*part, place, depth + 1, members)?;
+                }
+            }
+            Some(Type::Array { element, length }) => {
+                let stride = self.strides.get(&ty).copied().unwrap_or(0);
+                let inner = self.types.get(element);
+                let place = |index: u32| Place {
+                    path: format!("{}[{index}]", at.path),
+                    offset: at.offset + u64::from(index) * u64::from(stride),
+                    matrix: at.matrix,
+                };
+                let before = members.len();
+                self.walk(*element, place(0), depth + 1, members)?;
+                let is_leaf = matches!(inner, Some(Type::Leaf | Type::Matrix));
+                if is_leaf {
+                    for member in &mut members[before..] {
+                        member.array_stride = stride.into();
+                        member.array_size = length.map(u64::from);
+                    }
+                } else if *length != Some(1) {
+                    // The next element shows the stride.
+                    self.walk(*element, place(1), depth + 1, members)?;
+                }
+            }
+            Some(Type::Leaf | Type::Matrix) => members.push(ReflectedMember {
+                name: at.path,
+                ty: String::new(),
+                offset: at.offset,
+                array_size: Some(1),
+                array_stride: 0,
+                matrix_stride: at.matrix.0.into(),
+                row_major: at.matrix.1,
+                top_level: None,
+            }),
+            Some(Type::Pointer(_)) | None => {}
+        }
+        Ok(())
+    }
+}
+
+fn read(words: &[u32]) -> Result<Module, Failure> {
+    if words.len() < 5 || words[0] != MAGIC {
+        return Err(Failure::refused("the words are no SPIR-V", ""));
+    }
+    let mut module = Module::default();
+    let mut rest = &words[5..];
+    while let Some(&first) = rest.first() {
+        let (opcode, length) = (first & 0xffff, (first >> 16) as usize);
+        if length == 0 || length > rest.len() {
+            return Err(Failure::refused("the module ends within an instruction", ""));
+        }
+        module.instruction(opcode, &rest[1..length]);
+        rest = &rest[length..];
+    }
+    Ok(module)
+}
+
+impl Module {
+    /// Opcodes and decorations are numbered in §3.20 and §3.52.
+    fn instruction(&mut self, opcode: u32, operands: &[u32]) {
+        match (opcode, operands) {
+            (5, [id, name @ ..]) => {
+                self.names.insert(*id, text(name));
+            }
+            (6, [id, member, name @ ..]) => {
+                self.member_names.insert((*id, *member), text(name));
+            }
+            // OpTypeBool, OpTypeInt, OpTypeFloat, OpTypeVector.
+            (20..=23, [id, ..]) => {
+                self.types.insert(*id, Type::Leaf);
+            }
+            (24, [id, ..]) => {
+                self.types.insert(*id, Type::Matrix);
+            }
+            (28, [id, element, length]) => {
+                let length = self.constants.get(length).copied();
+                self.types.insert(*id, Type::Array { element: *element, length });
+            }
+            (29, [id, element]) => {
+                self.types.insert(*id, Type::Array { element: *element, length: None });
+            }
+            (30, [id, parts @ ..]) => {
+                self.types.insert(*id, Type::Struct(parts.to_vec()));
+            }
+            (32, [id, _class, ty]) => {
+                self.types.insert(*id, Type::Pointer(*ty));
+            }
+            // OpConstant, OpSpecConstant.
+            (43 | 50, [_ty, id, value, ..]) => {
+                self.constants.insert(*id, *value);
+            }
+            (59, [ty, id, class, ..]) => self.variables.push((*id, *ty, *class)),
+            // OpDecorate: BufferBlock, ArrayStride, Binding.
+            (71, [id, 3]) => {
+                self.buffer_blocks.insert(*id, true);
+            }
+            (71, [id, 6, stride]) => {
+                self.strides.insert(*id, *stride);
+            }
+            (71, [id, 33, binding]) => {
+                self.bindings.insert(*id, *binding);
+            }
+            // OpMemberDecorate: RowMajor, MatrixStride, Offset.
+            (72, [id, member, 4]) => {
+                self.row_major.insert((*id, *member), true);
+            }
+            (72, [id, member, 7, stride]) => {
+                self.matrix_strides.insert((*id, *member), *stride);
+            }
+            (72, [id, member, 35, offset]) => {
+                self.offsets.insert((*id, *member), *offset);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A string of SPIR-V: UTF-8 in words, the low byte first, ended by a zero.
+fn text(words: &[u32]) -> String {
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    String::from_utf8_lossy(&bytes[..end]).into_owned()
+}

@@ -1,0 +1,324 @@
+//! The code of a probe in the form its reader takes: the user's text for OpenGL, ported where
+//! OpenGL has no bytes for its uniforms, and a module for the evaluator and wgpu.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::partner;
+use super::{Form, VerifyOptions};
+use crate::backend::{Failure, FailureKind, StageCode};
+use crate::harness::probe::plan::Plan;
+use crate::harness::probe::{glsl, wgsl};
+use landfall_ir::Module;
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::port::{PortOptions, port};
+use landfall_layout::shape::{AddressSpace, ArrayLen, Rules};
+use landfall_layout::source::{Language, ReadOptions, Runs, Source, Stage};
+pub use landfall_layout::syntax::glsl::raw;
+use landfall_layout::{Diagnostic, Options, layout};
+
+/// Where the results of a probe are bound that goes through naga's own GLSL front end.
+const NAGA_BINDING: u32 = 99;
+
+/// What code is needed of.
+pub(super) struct Need<'a> {
+    pub reader: &'static str,
+    pub source: &'a Source,
+    pub block: &'a BlockLayout,
+    /// Which buffer of an array of blocks.
+    pub element: &'a [u32],
+    pub plan: &'a Plan,
+    pub stage: Runs,
+    /// Whether the shader may write the block.
+    pub writable: bool,
+    pub options: &'a VerifyOptions,
+}
+
+/// A probe's code, and where its buffers are bound.
+pub(super) struct Code {
+    /// In the order of the pipeline.
+    pub stages: Vec<StageCode>,
+    pub block: Bound,
+    pub results: Bound,
+    /// Whether the shader may write the block.
+    pub writable: bool,
+}
+
+/// A buffer's name, and its binding in the module.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bound {
+    pub name: String,
+    pub group: u32,
+    pub binding: u32,
+}
+
+/// The text that a reader is given.
+pub(super) fn form(reader: &str, source: &Source, block: &BlockLayout, naga: bool) -> Form {
+    match (reader, naga) {
+        ("gl", _) if is_loose(source, block) => Form::Ported,
+        ("gl", _) => Form::Original,
+        (_, false) => Form::Module,
+        (_, true) => Form::Naga,
+    }
+}
+
+/// Whether the block is the loose uniforms of a GLSL shader.
+pub(crate) fn is_loose(source: &Source, block: &BlockLayout) -> bool {
+    let gathered = &*block.name == "DefaultBlock" && !block.rules_declared;
+    source.language == Language::Glsl && gathered
+}
+
+/// The stage a probe runs in on a reader, or why it does not.
+pub(super) fn fits(
+    reader: &str,
+    source: &Source,
+    block: &BlockLayout,
+    stage: Stage,
+) -> Result<Runs, String> {
+    let Some(runs) = Runs::of(stage) else {
+        return Err(format!("probes run in no {} stage", stage.name()));
+    };
+    if reader != "gl" {
+        return Ok(runs);
+    }
+    match (source.language, block.space) {
+        (Language::Wgsl, _) => Err("OpenGL takes no WGSL".to_string()),
+        (Language::Glsl, AddressSpace::PushConstant) => {
+            Err("OpenGL has no push constants".to_string())
+        }
+        (Language::Glsl, _) if block.rules == Rules::Scalar => {
+            Err("OpenGL has no scalar rules".to_string())
+        }
+        (Language::Glsl, _) => Ok(runs),
+    }
+}
+
+/// The code of a probe.
+///
+/// # Errors
+/// The shader does not run: why.
+pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
+    let form = form(need.reader, need.source, need.block, need.options.naga);
+    match form {
+        Form::Original => {
+            let source = opened(need.source, &need.options.layout.read);
+            let text = glsl::text(&source, need.block, need.element, need.plan, need.stage);
+            for_gl(need, &source, &text)
+        }
+        Form::Ported => ported(need),
+        Form::Module | Form::Naga | Form::Spirv => module(need, form),
+    }
+}
+
+/// The shader with its includes in it: drivers open no files.
+pub(crate) fn opened<'a>(source: &'a Source, options: &ReadOptions) -> Cow<'a, Source> {
+    if !source.text.contains("#include") {
+        return Cow::Borrowed(source);
+    }
+    let text = raw::flattened(source, options);
+    Cow::Owned(Source { text: Arc::from(text), ..source.clone() })
+}
+
+/// The user's text as OpenGL's compiler takes it, without a probe.
+pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
+    without(&opened(source, &options.layout.read).text, "set")
+}
+
+fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
+    let name = gl_name(&need.block.name, need.element);
+    let probe = stage_code(need.stage.into(), "main", None, Some(without(text, "set")));
+    let stages = match need.stage {
+        Runs::Vertex => vec![probe, fragment(need, source)?],
+        Runs::Fragment => {
+            let vertex = partner::vertex(source, &need.options.layout.read);
+            vec![stage_code(Stage::Vertex, "main", None, Some(vertex)), probe]
+        }
+        Runs::Compute => vec![probe],
+    };
+    Ok(Code {
+        stages,
+        block: Bound { name, ..Bound::default() },
+        results: Bound { name: glsl::RESULTS.to_string(), ..Bound::default() },
+        writable: need.writable,
+    })
+}
+
+/// The fragment stage that a vertex stage needs to run.
+fn fragment(need: &Need<'_>, source: &Source) -> Result<StageCode, Failure> {
+    let source = partner::fragment(source);
+    let module = match need.reader {
+        "gl" => None,
+        _ => {
+            let made = Module::new(&source, &Options::default());
+            Some(Arc::new(made.map_err(|found| refused("run", &found))?))
+        }
+    };
+    Ok(stage_code(Stage::Fragment, "main", module, Some(source.text.to_string())))
+}
+
+fn stage_code(
+    stage: Stage,
+    entry: &str,
+    module: Option<Arc<Module>>,
+    glsl: Option<String>,
+) -> StageCode {
+    StageCode { stage, entry: entry.to_string(), module, glsl, spirv: None }
+}
+
+/// The name OpenGL gives one buffer of a block, or of an array of them: `B[0]`.
+pub(crate) fn gl_name(block: &str, element: &[u32]) -> String {
+    element.iter().fold(block.to_string(), |name, index| format!("{name}[{index}]"))
+}
+
+/// The shader with its loose uniforms in a block: the members keep their order.
+fn ported(need: &Need<'_>) -> Result<Code, Failure> {
+    let options = PortOptions { read: need.options.layout.read.clone(), ..PortOptions::default() };
+    let ported = port(need.source, &options).map_err(|found| refused("ported", &found))?;
+    let shader = layout(&ported.source, &need.options.layout);
+    let name = ported.block.as_deref().unwrap_or_default();
+    let block = shader.blocks.iter().find(|block| &*block.name == name);
+    let places = |block: &BlockLayout| -> Vec<_> {
+        block.leaves.iter().map(|leaf| (leaf.offset, leaf.strides.clone())).collect()
+    };
+    let Some(block) = block.filter(|block| places(block) == places(need.block)) else {
+        return Err(failure("the ported text has its uniforms in other places".to_string()));
+    };
+    let text = glsl::text(&ported.source, block, need.element, need.plan, need.stage);
+    let mut code = for_gl(need, &ported.source, &text)?;
+    code.block.name = name.to_string();
+    Ok(code)
+}
+
+fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
+    let (text, entry) = match need.source.language {
+        Language::Glsl => {
+            (glsl::text(need.source, need.block, need.element, need.plan, need.stage), "main")
+        }
+        Language::Wgsl => (wgsl::text(need.source, need.block, need.plan, need.stage), wgsl::ENTRY),
+    };
+    // naga wants a binding of everything, and gives none out.
+    let text = match form {
+        Form::Naga => text.replace(
+            &format!("layout(std430) buffer {}", glsl::RESULTS),
+            &format!("layout(std430, binding = {NAGA_BINDING}) buffer {}", glsl::RESULTS),
+        ),
+        Form::Original | Form::Ported | Form::Module | Form::Spirv => text,
+    };
+    let source =
+        Source { text: Arc::from(text), stage: Some(need.stage.into()), ..need.source.clone() };
+    let options = Options { gather: true, naga: false, ..need.options.layout.clone() };
+    let made = match form {
+        Form::Naga => Module::by_naga(&source, &options),
+        Form::Original | Form::Ported | Form::Module | Form::Spirv => {
+            Module::new(&source, &options)
+        }
+    };
+    let module = made.map_err(|found| refused("run", &found))?;
+    let block = bound(&module, need.block, need.element)?;
+    let results = module
+        .blocks()
+        .iter()
+        .find(|block| [glsl::RESULTS, "landfall_words"].contains(&&*block.layout.name));
+    let results = results.ok_or_else(|| failure("the module lost its results".to_string()))?;
+    let results = Bound {
+        name: results.layout.name.to_string(),
+        group: results.group,
+        binding: results.binding,
+    };
+    let mut stages = vec![stage_code(need.stage.into(), entry, Some(Arc::new(module)), None)];
+    if need.stage == Runs::Vertex {
+        stages.push(fragment(need, need.source)?);
+    }
+    Ok(Code { stages, block, results, writable: need.writable })
+}
+
+/// Where the probed block is bound in the module.
+fn bound(module: &Module, block: &BlockLayout, element: &[u32]) -> Result<Bound, Failure> {
+    let nth = nth_buffer(block, element);
+    let found = module.blocks().iter().find(|other| {
+        other.layout.name == block.name
+            && other.layout.instance == block.instance
+            && other.element == nth
+    });
+    let found =
+        found.ok_or_else(|| failure(format!("the module has no block `{}`", block.name)))?;
+    Ok(Bound { name: block.name.to_string(), group: found.group, binding: found.binding })
+}
+
+/// Which buffer of an array of blocks, counted through all dimensions.
+fn nth_buffer(block: &BlockLayout, element: &[u32]) -> Option<u32> {
+    let counted = element.iter().zip(&block.count).fold(0, |sum, (index, len)| match len {
+        ArrayLen::Fixed(length) => sum * length + index,
+        ArrayLen::Runtime | ArrayLen::Override(_) => sum,
+    });
+    (!block.count.is_empty()).then_some(counted)
+}
+
+fn failure(message: String) -> Failure {
+    Failure { kind: FailureKind::Refused, message, log: String::new() }
+}
+
+fn refused(what: &str, found: &[Diagnostic]) -> Failure {
+    let first = found.first().map_or("no reason given", |first| first.message.as_str());
+    Failure { kind: FailureKind::Unfit, ..failure(format!("it cannot be {what}: {first}")) }
+}
+
+/// The text without `WORD = N` in its layout qualifiers: OpenGL has no descriptor sets.
+pub(crate) fn without(text: &str, word: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(word) {
+        let (step, after) = rest.split_at(at);
+        result.push_str(step);
+        let list = result.rfind(['(', ')']).map(|at| result.split_at(at));
+        let opens = result.trim_end().ends_with(['(', ','])
+            && list.is_some_and(|(head, list)| {
+                list.starts_with('(') && head.trim_end().ends_with("layout")
+            });
+        let value = after[word.len()..].trim_start().strip_prefix('=').map(str::trim_start);
+        let end = value.and_then(|value| {
+            let digits = value.find(|c: char| !c.is_ascii_digit())?;
+            (digits > 0).then(|| after.len() - value.len() + digits)
+        });
+        let Some(end) = end.filter(|_| opens) else {
+            result.push_str(word);
+            rest = &after[word.len()..];
+            continue;
+        };
+        rest = &after[end..];
+        if let Some(more) = rest.trim_start().strip_prefix(',') {
+            rest = more;
+        } else if result.trim_end().ends_with(',') {
+            result.truncate(result.trim_end().len() - 1);
+        } else if let (Some(more), Some(head)) =
+            (rest.trim_start().strip_prefix(')'), result.trim_end().strip_suffix('('))
+        {
+            // An empty list is no list.
+            rest = more;
+            let head = head.trim_end();
+            let head = head.strip_suffix("layout").unwrap_or(head).len();
+            result.truncate(head);
+        }
+    }
+    result.push_str(rest);
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_qualifier_goes_and_nothing_else() {
+        for (before, after) in [
+            ("layout(set = 0, binding = 1) uniform", "layout( binding = 1) uniform"),
+            ("layout(std140, set=12,binding=1)", "layout(std140, binding=1)"),
+            ("layout(binding = 1, set = 2) uniform", "layout(binding = 1) uniform"),
+            ("layout(set = 2) uniform", " uniform"),
+            ("int offset = 3; f(set = 4);", "int offset = 3; f(set = 4);"),
+            ("int reset; layout(offset = 16) float x;", "int reset; layout(offset = 16) float x;"),
+        ] {
+            assert_eq!(without(before, "set"), after, "{before}");
+        }
+    }
+}

@@ -1,0 +1,425 @@
+//! One block, read by every reader: its probes are run, and what they saw is judged.
+//!
+//! Takes plans and code of probes; gives a [`BlockReport`].
+
+use std::collections::BTreeMap;
+
+use super::code;
+use super::code::{Code, Need};
+use super::{
+    BlockReport, Cause, ElementReport, Form, Outcome, ReaderReport, Unprobed, VerifyOptions,
+    reported,
+};
+use crate::backend::{Failure, FailureKind, Job, Reader, Resource, ResourceKind};
+use crate::harness::bindings::kind as buffer_of;
+use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
+use crate::harness::probe::{Got, Sighting, cause, judge, words};
+use landfall_layout::buffer::Buffer;
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
+use landfall_layout::source::{Runs, Source, Stage};
+
+/// Buffers of one dimension of an array of blocks that are bound at most.
+const MOST_BUFFERS: u32 = 64;
+
+/// One block and what is to be proven of it.
+pub(super) struct Verifier<'a> {
+    pub source: &'a Source,
+    pub options: &'a VerifyOptions,
+    pub blocks: &'a [BlockLayout],
+    pub block: &'a BlockLayout,
+    pub expected: &'a BlockLayout,
+    /// What may be done to each member.
+    pub access: Vec<Access>,
+}
+
+impl Verifier<'_> {
+    pub fn block(&self, readers: &mut [Box<dyn Reader>], is_given: bool) -> BlockReport {
+        let plans = plans(self.block, self.expected, &self.access);
+        let buffer = self.buffer();
+        let refusal = self.refusal(is_given, &buffer);
+        let own = [self.source.stage.unwrap_or(Stage::Fragment)];
+        let stages: &[Stage] =
+            if self.options.stages.is_empty() { &own } else { &self.options.stages };
+        let mut reports = Vec::new();
+        for reader in readers {
+            for &stage in stages {
+                reports.push(match (&refusal, &buffer) {
+                    (None, Ok(buffer)) => self.reader(reader.as_mut(), stage, &plans, *buffer),
+                    (Some(reason), _) => skipped(reader.as_ref(), stage, reason),
+                    (None, Err(reason)) => skipped(reader.as_ref(), stage, reason),
+                });
+            }
+        }
+        let unprobed = plans.unprobed.into_iter();
+        BlockReport {
+            name: self.block.name.to_string(),
+            instance: self.block.instance.as_ref().map(ToString::to_string),
+            rules: self.block.rules.name(),
+            size: self.block.size.unwrap_or(0),
+            leaves: self.block.leaves.len(),
+            readers: reports,
+            unprobed: unprobed.map(|it| Unprobed { path: it.path, reason: it.reason }).collect(),
+            coverage: None,
+        }
+    }
+
+    /// Bytes of a buffer that holds either layout, a runtime-sized tail of [`TAIL`] elements.
+    fn buffer(&self) -> Result<u64, String> {
+        let (own, expected) = (bytes(self.block)?, bytes(self.expected)?);
+        // naga rounds a structure with dvec4 up to 32 bytes, and wgpu wants as much.
+        Ok(own.max(expected).next_multiple_of(32))
+    }
+
+    /// The other blocks, filled with zeros: OpenGL wants every block bound that it counts as
+    /// active, and it counts those of a dead `main`.
+    fn others(&self) -> Vec<Resource> {
+        let resource = |(block, element): (&BlockLayout, Vec<u32>)| {
+            let bytes = vec![0; bytes(block).ok()?.next_multiple_of(4) as usize];
+            let kind = match block.space {
+                AddressSpace::Uniform => ResourceKind::Uniform(bytes),
+                AddressSpace::Storage => ResourceKind::Storage { bytes, writable: true },
+                AddressSpace::PushConstant
+                | AddressSpace::BufferReference
+                | AddressSpace::ShaderRecord
+                | AddressSpace::Default => return None,
+            };
+            let name = code::gl_name(&block.name, &element);
+            Some(Resource { name, group: 0, binding: 0, kind })
+        };
+        self.blocks
+            .iter()
+            .flat_map(|block| every(&block.count).into_iter().map(move |at| (block, at)))
+            .filter_map(resource)
+            .collect()
+    }
+
+    /// Why no reader can probe the block, if so.
+    fn refusal(&self, is_given: bool, buffer: &Result<u64, String>) -> Option<String> {
+        if !is_given {
+            return Some(format!("the given layout has no block `{}`", self.block.name));
+        }
+        match self.block.space {
+            AddressSpace::BufferReference => {
+                return Some("a buffer reference is read through an address".to_string());
+            }
+            AddressSpace::ShaderRecord => {
+                return Some("shader records belong to ray tracing pipelines".to_string());
+            }
+            AddressSpace::Uniform
+            | AddressSpace::Storage
+            | AddressSpace::PushConstant
+            | AddressSpace::Default => {}
+        }
+        let unknown = |len: &ArrayLen| !matches!(len, ArrayLen::Fixed(_));
+        if self.block.count.iter().any(unknown) {
+            return Some("the number of its buffers is not known".to_string());
+        }
+        if self.block.members.iter().any(|member| has_address(&member.ty)) {
+            return Some("it holds addresses of other buffers".to_string());
+        }
+        buffer.as_ref().err().cloned()
+    }
+
+    fn reader(
+        &self,
+        reader: &mut dyn Reader,
+        stage: Stage,
+        plans: &Plans,
+        buffer: u64,
+    ) -> ReaderReport {
+        let name = reader.device().reader;
+        let mut report = ReaderReport {
+            reader: name,
+            stage: stage.name(),
+            form: code::form(name, self.source, self.block, self.options.naga),
+            outcome: Outcome::Confirmed,
+            reason: None,
+            log: String::new(),
+            reads: Vec::new(),
+            causes: Vec::new(),
+        };
+        let runs = match code::fits(name, self.source, self.block, stage) {
+            Ok(runs) => runs,
+            Err(reason) => {
+                report.outcome = Outcome::Skipped;
+                report.reason = Some(reason);
+                return report;
+            }
+        };
+        let mut sightings = Vec::new();
+        for element in elements(&self.block.count) {
+            for plan in plans.reads.iter().chain(&plans.writes) {
+                match self.run(reader, runs, &element, plan, buffer) {
+                    Ok(seen) => sightings.extend(seen),
+                    Err(failure) => {
+                        self.refused(reader, stage, failure, &mut report);
+                        return report;
+                    }
+                }
+            }
+        }
+        self.judge(&sightings, &mut report);
+        self.reported(reader, stage, &mut report);
+        report
+    }
+
+    /// Holds what the driver itself says of the text against the layout.
+    fn reported(&self, reader: &mut dyn Reader, stage: Stage, report: &mut ReaderReport) {
+        if report.form != Form::Original {
+            return;
+        }
+        let text = code::bare(self.source, self.options);
+        let Some(Ok(reflection)) = reader.reflect(&[(stage, &text)], self.options.limit) else {
+            return;
+        };
+        for element in reported::elements(self.block, self.expected, &reflection) {
+            if element.byte_read != Some(element.expected_byte) {
+                report.outcome = Outcome::Disagrees;
+            }
+            report.reads.push(element);
+        }
+    }
+
+    /// Why a probe has no answer. What a reader cannot take at all is none of its failures: a
+    /// text its compiler refuses without a probe too, a shader that makes no module.
+    fn refused(
+        &self,
+        reader: &mut dyn Reader,
+        stage: Stage,
+        failure: Failure,
+        report: &mut ReaderReport,
+    ) {
+        report.outcome = Outcome::Failed;
+        report.reason = Some(failure.message);
+        report.log = failure.log;
+        if failure.kind == FailureKind::Unfit {
+            report.outcome = Outcome::Skipped;
+        }
+        if failure.kind != FailureKind::Refused || report.form != Form::Original {
+            return;
+        }
+        let text = code::bare(self.source, self.options);
+        let alone = reader.reflect(&[(stage, &text)], self.options.limit);
+        if let Some(Err(Failure { kind: FailureKind::Refused, log, .. })) = alone {
+            report.outcome = Outcome::Skipped;
+            report.reason = Some("its compiler does not take the text".to_string());
+            report.log = log;
+        }
+    }
+
+    /// Runs a plan on one buffer of the block: once over sentinels, and for bools once a bit.
+    fn run(
+        &self,
+        reader: &mut dyn Reader,
+        stage: Runs,
+        element: &[u32],
+        plan: &Plan,
+        buffer: u64,
+    ) -> Result<Vec<Sighting>, Failure> {
+        let need = Need {
+            reader: reader.device().reader,
+            source: self.source,
+            block: self.block,
+            element,
+            plan,
+            stage,
+            writable: self.access.iter().any(|access| access.write),
+            options: self.options,
+        };
+        let code = code::code(&need)?;
+        let writes = plan.reads.iter().any(|read| read.way == crate::harness::probe::Way::Written);
+        let mut ask = |bytes: Vec<u8>| self.ask(reader, &code, stage, plan, bytes);
+        let answer = ask(words::buffer(buffer))?;
+        if writes {
+            return Ok(judge::written(plan, &answer.block));
+        }
+        let mut passes = Vec::new();
+        if plan.reads.iter().any(|read| read.scalar.kind == ScalarKind::Bool) {
+            for bit in 0..words::passes(buffer) {
+                passes.push(ask(words::pass(buffer, bit))?.words);
+            }
+        }
+        Ok(judge::read(plan, buffer, &answer.words, &passes))
+    }
+
+    fn ask(
+        &self,
+        reader: &mut dyn Reader,
+        code: &Code,
+        stage: Runs,
+        plan: &Plan,
+        bytes: Vec<u8>,
+    ) -> Result<Words, Failure> {
+        let mut results = Vec::with_capacity(plan.words as usize * 4);
+        for index in &plan.indices {
+            results.extend_from_slice(&index.to_le_bytes());
+        }
+        results.resize(plan.words as usize * 4, 0);
+        let bound = |bound: &code::Bound, kind| Resource {
+            name: bound.name.clone(),
+            group: bound.group,
+            binding: bound.binding,
+            kind,
+        };
+        let results = ResourceKind::Storage { bytes: results, writable: true };
+        let block = buffer_of(self.block, bytes, code.writable);
+        let mut resources = vec![bound(&code.block, block), bound(&code.results, results)];
+        if code.stages[0].module.is_none() {
+            let others = self.others().into_iter();
+            resources.extend(others.filter(|other| other.name != code.block.name));
+        }
+        let job = Job {
+            stages: code.stages.clone(),
+            resources,
+            grid: crate::backend::single_run(stage),
+            limit: self.options.limit,
+        };
+        let mut answer = reader.run(&job)?;
+        let mut buffers = answer.buffers.drain(..);
+        let (block, results) = (buffers.next().flatten(), buffers.next().flatten());
+        let Some(results) = results else {
+            return Err(Failure {
+                kind: FailureKind::Died,
+                message: "the results did not come back".to_string(),
+                log: String::new(),
+            });
+        };
+        let words = results.chunks_exact(4);
+        let words = words.map(|b| u32::from_le_bytes(b.try_into().expect("chunks of four")));
+        Ok(Words { words: words.collect(), block: block.unwrap_or_default() })
+    }
+
+    /// Turns what was seen into the report, with a cause for each leaf that was read elsewhere.
+    fn judge(&self, sightings: &[Sighting], report: &mut ReaderReport) {
+        let mut wrong: BTreeMap<usize, Vec<&Sighting>> = BTreeMap::new();
+        for sighting in sightings {
+            report.reads.push(element_report(self.block, sighting));
+            if !sighting.lands() {
+                wrong.entry(sighting.read.leaf).or_default();
+            }
+        }
+        if wrong.is_empty() {
+            return;
+        }
+        report.outcome = Outcome::Disagrees;
+        for sighting in sightings {
+            if let Some(seen) = wrong.get_mut(&sighting.read.leaf) {
+                seen.push(sighting);
+            }
+        }
+        for (leaf, seen) in wrong {
+            let path = &self.block.leaves[leaf].path;
+            let expected = self.expected.leaves.iter().find(|leaf| leaf.path == *path);
+            let cause = expected.and_then(|leaf| cause::cause(self.block, leaf, &seen));
+            if let Some(cause) = cause {
+                report.causes.push(Cause { leaf: path.clone(), cause });
+            }
+        }
+    }
+}
+
+/// What came back of a run.
+struct Words {
+    words: Vec<u32>,
+    /// The block's own buffer, where it was written.
+    block: Vec<u8>,
+}
+
+fn has_address(ty: &Type) -> bool {
+    match ty.innermost() {
+        Type::Address(_) => true,
+        Type::Struct(inner) => inner.members.iter().any(|member| has_address(&member.ty)),
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Array { .. } => false,
+    }
+}
+
+/// Bytes of a buffer for a block, a runtime-sized tail of [`TAIL`] elements.
+fn bytes(block: &BlockLayout) -> Result<u64, String> {
+    if block.size.is_some_and(|size| size > LARGEST_BUFFER) {
+        let size = block.size.unwrap_or(0);
+        return Err(format!("it has {size} bytes, probes fill {LARGEST_BUFFER} at most"));
+    }
+    let has_tail = block.members.iter().any(|member| member.dims.contains(&ArrayLen::Runtime));
+    let buffer = match has_tail {
+        true => Buffer::with_tail(block, TAIL as usize),
+        false => Buffer::new(block),
+    };
+    buffer.map(|buffer| buffer.bytes().len() as u64).map_err(|error| error.to_string())
+}
+
+fn skipped(reader: &dyn Reader, stage: Stage, reason: &str) -> ReaderReport {
+    ReaderReport {
+        reader: reader.device().reader,
+        stage: stage.name(),
+        form: Form::Original,
+        outcome: Outcome::Skipped,
+        reason: Some(reason.to_string()),
+        log: String::new(),
+        reads: Vec::new(),
+        causes: Vec::new(),
+    }
+}
+
+/// The buffers of an array of blocks that are probed: first and last of each dimension.
+fn elements(count: &[ArrayLen]) -> Vec<Vec<u32>> {
+    combined(count, |length| {
+        let mut ends = vec![0, length.saturating_sub(1)];
+        ends.dedup();
+        ends
+    })
+}
+
+/// Every buffer of an array of blocks.
+pub(crate) fn every(count: &[ArrayLen]) -> Vec<Vec<u32>> {
+    combined(count, |length| (0..length.min(MOST_BUFFERS)).collect())
+}
+
+fn combined(count: &[ArrayLen], chosen: impl Fn(u32) -> Vec<u32>) -> Vec<Vec<u32>> {
+    let mut all = vec![Vec::new()];
+    for len in count {
+        let ArrayLen::Fixed(length) = len else { continue };
+        let chosen = chosen(*length);
+        all = all
+            .iter()
+            .flat_map(|start: &Vec<u32>| {
+                chosen.iter().map(|at| [start.as_slice(), &[*at]].concat())
+            })
+            .collect();
+    }
+    all
+}
+
+fn element_report(block: &BlockLayout, sighting: &Sighting) -> ElementReport {
+    let read = &sighting.read;
+    let leaf = &block.leaves[read.leaf].path;
+    let mut path = String::new();
+    let mut indices = read.element.iter();
+    for (nth, part) in leaf.split("[]").enumerate() {
+        if nth > 0 {
+            path.push_str(&format!("[{}]", indices.next().copied().unwrap_or(0)));
+        }
+        path.push_str(part);
+    }
+    if let Some(column) = read.column {
+        path.push_str(&format!("[{column}]"));
+    }
+    if let Some(row) = read.row {
+        path.push('.');
+        path.push_str(["x", "y", "z", "w"][usize::from(row)]);
+    }
+    ElementReport {
+        path,
+        leaf: leaf.clone(),
+        way: read.way.name(),
+        expected_byte: read.byte,
+        byte_read: match sighting.got {
+            Got::Byte(byte) => Some(byte),
+            Got::Other(_) => None,
+        },
+    }
+}

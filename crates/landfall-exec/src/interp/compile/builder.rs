@@ -1,0 +1,361 @@
+//! What compiling fills: constants, registers, instructions, in the end a [`Program`].
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use naga::valid::ModuleInfo;
+use naga::{Handle, TypeInner};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
+use super::super::counts::price;
+use super::super::flatten::{Types, class};
+use super::super::interface::interface;
+use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInfo, Program};
+use super::super::tidy;
+use super::function::Compiled;
+use super::nowhere;
+pub use landfall_ir::module::Locals;
+use landfall_layout::source::Language;
+
+pub(super) struct Builder<'a> {
+    pub ir: &'a naga::Module,
+    pub info: &'a ModuleInfo,
+    pub types: Types<'a>,
+    pub overrides: &'a [Option<f64>],
+    pub locals: Locals,
+    pub floats: Floats,
+    /// With [`Floats::Mediump`]: spans of the expressions that are rounded.
+    pub reduced: &'a FxHashSet<(u32, u32)>,
+    /// Whether what is being compiled is rounded to `f16`.
+    pub rounds: bool,
+    pub buffers: Vec<BufferInfo>,
+    pub images: Vec<ImageInfo>,
+    pub accesses: Vec<Access>,
+    pub values: Vec<Values>,
+    known: FxHashMap<(u32, u64), Reg>,
+    tables: FxHashMap<Vec<Reg>, Vec<Reg>>,
+    constants: [Vec<u64>; 3],
+    variables: [u32; 3],
+    /// Temporaries of all functions so far.
+    temporaries: [u32; 3],
+    /// The function at hand.
+    pub body: Body,
+    /// All functions before it.
+    code: Vec<Inst>,
+    origins: Vec<Origin>,
+    pool: Vec<u32>,
+}
+
+/// Instructions of one function; jumps count from its first.
+#[derive(Default)]
+pub(in crate::interp) struct Body {
+    pub code: Vec<Inst>,
+    pub origins: Vec<Origin>,
+    pub pool: Vec<u32>,
+    /// Temporaries of each class.
+    pub temporaries: [u32; 3],
+    pub origin: Option<Origin>,
+    /// Why it has grown past what can be run.
+    pub overflow: bool,
+}
+
+/// Registers a program may have: half a million are 128 megabytes of `f32` a thread.
+const MOST_REGISTERS: u32 = 1 << 19;
+/// Operands of a program.
+const MOST_OPERANDS: usize = 1 << 24;
+
+impl<'a> Builder<'a> {
+    pub fn new(
+        ir: &'a naga::Module,
+        info: &'a ModuleInfo,
+        pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
+        overrides: &'a [Option<f64>],
+        floats: Floats,
+        reduced: &'a FxHashSet<(u32, u32)>,
+    ) -> Builder<'a> {
+        Builder {
+            ir,
+            info,
+            types: Types { arena: &ir.types, pending, counted: RefCell::default() },
+            overrides,
+            locals: Locals::Zeros,
+            floats,
+            reduced,
+            rounds: false,
+            buffers: Vec::new(),
+            images: Vec::new(),
+            accesses: Vec::new(),
+            values: Vec::new(),
+            known: FxHashMap::default(),
+            tables: FxHashMap::default(),
+            constants: Default::default(),
+            variables: [0; 3],
+            temporaries: [0; 3],
+            body: Body::default(),
+            code: Vec::new(),
+            origins: Vec::new(),
+            pool: Vec::new(),
+        }
+    }
+
+    /// A constant; of a real, the bits of its `f32`.
+    pub fn constant(&mut self, class: Class, bits: u64) -> Reg {
+        let list = &mut self.constants[class as usize];
+        *self.known.entry((class as u32, bits)).or_insert_with(|| {
+            list.push(bits);
+            Reg::new(class, Region::Constant, list.len() as u32 - 1)
+        })
+    }
+
+    pub fn word(&mut self, value: u32) -> Reg {
+        self.constant(Class::Word, u64::from(value))
+    }
+
+    pub fn real(&mut self, value: f32) -> Reg {
+        self.constant(Class::Real, u64::from(value.to_bits()))
+    }
+
+    /// The value of a constant register.
+    pub fn known(&self, reg: Reg) -> Option<u64> {
+        (reg.region() == Region::Constant)
+            .then(|| self.constants[reg.class() as usize][reg.number() as usize])
+    }
+
+    /// Constants side by side, for an index.
+    pub fn table(&mut self, regs: &[Reg]) -> Vec<Reg> {
+        if let Some(found) = self.tables.get(regs) {
+            return found.clone();
+        }
+        let table: Vec<Reg> = regs
+            .iter()
+            .map(|&reg| {
+                let bits = self.known(reg).expect("only constants are asked for");
+                let list = &mut self.constants[reg.class() as usize];
+                list.push(bits);
+                Reg::new(reg.class(), Region::Constant, list.len() as u32 - 1)
+            })
+            .collect();
+        self.tables.insert(regs.to_vec(), table.clone());
+        table
+    }
+
+    pub fn temporary(&mut self, class: Class) -> Reg {
+        let next = &mut self.body.temporaries[class as usize];
+        *next += 1;
+        if *next >= Reg::MOST {
+            self.body.overflow = true;
+            *next = 1;
+        }
+        Reg::new(class, Region::Temporary, *next - 1)
+    }
+
+    pub fn temporaries(&mut self, class: Class, count: usize) -> Vec<Reg> {
+        (0..count).map(|_| self.temporary(class)).collect()
+    }
+
+    /// Registers for a variable, each class's side by side.
+    pub fn variable(&mut self, inner: &TypeInner) -> Result<Rc<[Reg]>, String> {
+        let leaves = self.types.leaves(inner)?;
+        let classes: Result<Vec<Class>, String> = leaves.iter().map(|l| class(l.scalar)).collect();
+        self.variables_of(&classes?)
+    }
+
+    pub fn variables_of(&mut self, classes: &[Class]) -> Result<Rc<[Reg]>, String> {
+        let sum: u32 = self.variables.iter().sum();
+        if sum + classes.len() as u32 > MOST_REGISTERS {
+            return Err(format!("variables of more than {MOST_REGISTERS} scalars"));
+        }
+        Ok(classes
+            .iter()
+            .map(|&class| {
+                let next = &mut self.variables[class as usize];
+                *next += 1;
+                Reg::new(class, Region::Variable, *next - 1)
+            })
+            .collect())
+    }
+
+    pub fn access(&mut self, access: Access) -> u32 {
+        self.accesses.push(access);
+        self.accesses.len() as u32 - 1
+    }
+
+    /// One instruction; its number.
+    pub fn push(&mut self, op: Op, head: &[Reg], operands: &[u32]) -> u32 {
+        let len = op.shape().len();
+        let groups = operands.len().checked_div(len).unwrap_or(0);
+        debug_assert_eq!(groups * len, operands.len());
+        let body = &mut self.body;
+        if body.pool.len() + operands.len() > MOST_OPERANDS {
+            body.overflow = true;
+            return 0;
+        }
+        let at = body.pool.len() as u32;
+        body.pool.extend(head.iter().map(|reg| reg.0));
+        body.pool.extend_from_slice(operands);
+        body.code.push(Inst { op, head: head.len() as u8, groups: groups as u32, at });
+        body.origins.push(body.origin.unwrap_or(nowhere(0)));
+        body.code.len() as u32 - 1
+    }
+
+    /// The number of the next instruction.
+    pub fn here(&self) -> u32 {
+        self.body.code.len() as u32
+    }
+
+    /// Makes a jump go to the next instruction.
+    pub fn land(&mut self, jump: u32) {
+        let here = self.here();
+        if let Some(target) = self.body.code.get_mut(jump as usize).and_then(|i| i.op.target()) {
+            *target = here;
+        }
+    }
+
+    pub fn begin(&mut self, function: u32) {
+        self.body = Body { origin: Some(nowhere(function)), ..Body::default() };
+    }
+
+    /// Tidies the function at hand and puts it behind the others.
+    pub fn finish(
+        &mut self,
+        name: String,
+        entry: Option<&naga::EntryPoint>,
+        compiled: Result<Compiled, String>,
+    ) -> FunctionCode {
+        let mut body = std::mem::take(&mut self.body);
+        let compiled = compiled.and_then(|compiled| {
+            tidy::tidy(&mut body);
+            let sum: u32 = (0..3).map(|i| self.temporaries[i] + body.temporaries[i]).sum();
+            if body.overflow || sum > MOST_REGISTERS {
+                return Err(format!("values of more than {MOST_REGISTERS} scalars"));
+            }
+            Ok(compiled)
+        });
+        match compiled {
+            Err(why) => FunctionCode {
+                name,
+                state: Err(why),
+                arguments: Vec::new(),
+                result: Vec::new(),
+                result_type: None,
+                interface: None,
+            },
+            Ok(compiled) => {
+                let start = self.append(body);
+                let interface = entry
+                    .map(|entry| interface(self.ir, &self.types, entry, &compiled))
+                    .transpose();
+                let (state, interface) = match interface {
+                    Ok(interface) => (Ok(start), interface),
+                    Err(why) => (Err(why), None),
+                };
+                let arguments = compiled
+                    .arguments
+                    .into_iter()
+                    .map(|a| Argument {
+                        name: a.name,
+                        regs: a.regs.to_vec(),
+                        pointer: a.pointer,
+                        ty: a.ty,
+                    })
+                    .collect();
+                FunctionCode {
+                    name,
+                    state,
+                    arguments,
+                    result: compiled.result.to_vec(),
+                    result_type: compiled.result_type,
+                    interface,
+                }
+            }
+        }
+    }
+
+    fn append(&mut self, body: Body) -> u32 {
+        let start = self.code.len() as u32;
+        let pool = self.pool.len() as u32;
+        let before = self.temporaries;
+        for mut inst in body.code {
+            let operands = inst.operands();
+            let from = inst.at as usize;
+            inst.at += pool;
+            if let Some(target) = inst.op.target() {
+                *target += start;
+            }
+            self.pool.extend_from_slice(&body.pool[from..from + operands]);
+            inst.at = (self.pool.len() - operands) as u32;
+            let at = inst.at as usize;
+            tidy::registers(&inst, |place, _| {
+                let reg = Reg(self.pool[at + place]);
+                if reg.region() == Region::Temporary {
+                    self.pool[at + place] += before[reg.class() as usize];
+                }
+            });
+            self.code.push(inst);
+        }
+        self.origins.extend(body.origins);
+        for (sum, n) in self.temporaries.iter_mut().zip(body.temporaries) {
+            *sum += n;
+        }
+        start
+    }
+
+    /// Gives every register its place in the file of its class.
+    pub fn link(
+        mut self,
+        mut functions: Vec<FunctionCode>,
+        mut start: Result<FunctionCode, String>,
+    ) -> Program {
+        let constants = [0, 1, 2].map(|class| self.constants[class].len() as u32);
+        let variables = self.variables;
+        let place = |reg: Reg| {
+            let class = reg.class() as usize;
+            match reg.region() {
+                Region::Constant => reg.number(),
+                Region::Variable => constants[class] + reg.number(),
+                Region::Temporary => constants[class] + variables[class] + reg.number(),
+            }
+        };
+        for inst in &self.code {
+            let at = inst.at as usize;
+            tidy::registers(inst, |operand, _| {
+                let word = &mut self.pool[at + operand];
+                *word = place(Reg(*word));
+            });
+        }
+        // The classes stay in the registers that an API fills and reads.
+        let packed = |reg: &mut Reg| {
+            *reg = Reg::new(reg.class(), Region::Variable, place(*reg));
+        };
+        for function in functions.iter_mut().chain(start.as_mut().ok()) {
+            function.arguments.iter_mut().flat_map(|a| a.regs.iter_mut()).for_each(packed);
+            function.result.iter_mut().for_each(packed);
+            if let Some(interface) = &mut function.interface {
+                interface.regs_mut().for_each(packed);
+            }
+        }
+        let registers =
+            [0, 1, 2].map(|class| constants[class] + variables[class] + self.temporaries[class]);
+        debug_assert_eq!(LANES, 64);
+        let starts = functions.iter().map(|f| *f.state.as_ref().unwrap_or(&0)).collect();
+        Program {
+            costs: self.code.iter().map(price).collect(),
+            starts,
+            code: self.code,
+            origins: self.origins,
+            pool: self.pool,
+            accesses: self.accesses,
+            values: self.values,
+            constants: self.constants,
+            registers,
+            buffers: self.buffers,
+            images: self.images,
+            functions,
+            start,
+            files: Default::default(),
+            bases: Vec::new(),
+            language: Language::Wgsl,
+        }
+    }
+}

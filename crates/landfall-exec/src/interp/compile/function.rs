@@ -1,0 +1,259 @@
+//! One function: its arguments, variables and result, and the values of its expressions.
+
+use std::rc::Rc;
+
+use naga::proc::TypeResolution;
+use naga::valid::{FunctionInfo, ModuleInfo};
+use naga::{Arena, Expression, Handle, LocalVariable, TypeInner};
+
+use super::super::code::{Class, Op, Origin, Reg};
+use super::super::flatten::class;
+use super::super::program::{Floats, FunctionCode};
+use super::super::value::{ValueType, value_type};
+use super::builder::Builder;
+use super::pointer::Pointer;
+use super::{Global, nowhere};
+pub use landfall_ir::module::Locals;
+
+/// What an expression is while it is compiled.
+#[derive(Clone)]
+pub(super) enum Value {
+    /// Its scalars.
+    Regs(Rc<[Reg]>),
+    Pointer(Rc<Pointer>),
+    /// What a buffer that nobody writes holds there: loaded where it is used.
+    View(Rc<Pointer>),
+}
+
+/// A compiled function as its callers see it.
+pub(in crate::interp) struct Compiled {
+    pub arguments: Vec<CompiledArgument>,
+    pub result: Rc<[Reg]>,
+    pub result_type: Option<ValueType>,
+}
+
+pub(in crate::interp) struct CompiledArgument {
+    pub name: String,
+    pub regs: Rc<[Reg]>,
+    pub pointer: bool,
+    pub ty: Option<ValueType>,
+}
+
+/// Where the types of expressions stand.
+#[derive(Clone, Copy)]
+pub(super) enum Resolved<'a> {
+    Function(&'a FunctionInfo),
+    Module(&'a ModuleInfo),
+}
+
+pub(super) struct Function<'f, 'a> {
+    pub b: &'f mut Builder<'a>,
+    pub function: &'f naga::Function,
+    pub arena: &'f Arena<Expression>,
+    pub resolved: Resolved<'f>,
+    pub globals: &'f [Global],
+    pub functions: &'f [FunctionCode],
+    pub arguments: Vec<CompiledArgument>,
+    pub locals: Vec<Rc<[Reg]>>,
+    pub result: Rc<[Reg]>,
+    pub values: Vec<Option<Value>>,
+}
+
+impl<'f, 'a> Function<'f, 'a> {
+    pub fn new(
+        b: &'f mut Builder<'a>,
+        function: &'f naga::Function,
+        info: &'f FunctionInfo,
+        globals: &'f [Global],
+        functions: &'f [FunctionCode],
+    ) -> Result<Function<'f, 'a>, String> {
+        let types = &b.ir.types;
+        let mut arguments = Vec::new();
+        for argument in &function.arguments {
+            let inner = &types[argument.ty].inner;
+            let (pointer, regs, ty) = match inner {
+                TypeInner::Pointer { base, .. } => {
+                    let regs = b.variable(&types[*base].inner)?;
+                    (true, regs, value_type(&b.types, &types[*base]))
+                }
+                TypeInner::ValuePointer { size, scalar, .. } => {
+                    let inner = match size {
+                        Some(size) => TypeInner::Vector { size: *size, scalar: *scalar },
+                        None => TypeInner::Scalar(*scalar),
+                    };
+                    let ty = naga::Type { name: None, inner };
+                    (true, b.variable(&ty.inner)?, value_type(&b.types, &ty))
+                }
+                _ => (false, b.variable(inner)?, value_type(&b.types, &types[argument.ty])),
+            };
+            let name = argument.name.clone().unwrap_or_default();
+            arguments.push(CompiledArgument { name, regs, pointer, ty });
+        }
+        let result = match &function.result {
+            Some(result) => b.variable(&types[result.ty].inner)?,
+            None => Rc::from([]),
+        };
+        let mut locals = Vec::new();
+        for (_, local) in function.local_variables.iter() {
+            locals.push(b.variable(&types[local.ty].inner)?);
+        }
+        Ok(Function {
+            b,
+            function,
+            arena: &function.expressions,
+            resolved: Resolved::Function(info),
+            globals,
+            functions,
+            arguments,
+            locals,
+            result,
+            values: vec![None; function.expressions.len()],
+        })
+    }
+
+    /// The code that fills the private variables.
+    pub fn globals(
+        b: &'f mut Builder<'a>,
+        none: &'f naga::Function,
+        globals: &'f [Global],
+    ) -> Result<Compiled, String> {
+        let ir = b.ir;
+        let info = b.info;
+        let mut this = Function {
+            b,
+            function: none,
+            arena: &ir.global_expressions,
+            resolved: Resolved::Module(info),
+            globals,
+            functions: &[],
+            arguments: Vec::new(),
+            locals: Vec::new(),
+            result: Rc::from([]),
+            values: vec![None; ir.global_expressions.len()],
+        };
+        for ((_, variable), global) in ir.global_variables.iter().zip(globals) {
+            if let Global::Private(regs) = global {
+                let from = match variable.init {
+                    Some(init) => this.regs(init)?,
+                    None => this.zero(&ir.types[variable.ty].inner)?,
+                };
+                this.copy(Op::Move, regs, &from);
+            }
+        }
+        this.b.push(Op::End, &[], &[]);
+        Ok(Compiled { arguments: Vec::new(), result: Rc::from([]), result_type: None })
+    }
+
+    pub fn compile(mut self) -> Result<Compiled, String> {
+        let function = self.function;
+        let locals: Vec<(Handle<LocalVariable>, &LocalVariable)> =
+            function.local_variables.iter().collect();
+        for (handle, local) in locals {
+            let to = self.locals[handle.index()].clone();
+            match local.init {
+                Some(init) => {
+                    let from = self.regs(init)?;
+                    self.copy(Op::Move, &to, &from);
+                }
+                None => {
+                    let from = self.zero(&self.b.ir.types[local.ty].inner)?;
+                    let op: fn(Class) -> Op = match self.b.locals {
+                        Locals::Zeros => Op::Move,
+                        Locals::Anything => Op::Blank,
+                    };
+                    self.copy(op, &to, &from);
+                }
+            }
+        }
+        self.block(&function.body)?;
+        self.b.push(Op::End, &[], &[]);
+        let ir = self.b.ir;
+        let result_type =
+            function.result.as_ref().and_then(|r| value_type(&self.b.types, &ir.types[r.ty]));
+        Ok(Compiled { arguments: self.arguments, result: self.result, result_type })
+    }
+
+    /// The type of an expression.
+    pub fn ty(&self, handle: Handle<Expression>) -> &'f TypeInner
+    where
+        'a: 'f,
+    {
+        let types = &self.b.ir.types;
+        match self.resolved {
+            Resolved::Function(info) => info[handle].ty.inner_with(types),
+            Resolved::Module(info) => info[handle].inner_with(types),
+        }
+    }
+
+    pub fn resolution(&self, handle: Handle<Expression>) -> &'f TypeResolution {
+        match self.resolved {
+            Resolved::Function(info) => &info[handle].ty,
+            Resolved::Module(info) => &info[handle],
+        }
+    }
+
+    /// Says where the next instructions come from.
+    pub fn at(&mut self, span: naga::Span) {
+        if let Some(range) = span.to_range() {
+            let function = self.b.body.origin.unwrap_or(nowhere(0)).function;
+            let origin = Origin { function, start: range.start as u32, end: range.end as u32 };
+            self.b.body.origin = Some(origin);
+        }
+    }
+
+    /// The scalars of an expression, loaded if they must be.
+    pub fn regs(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
+        match self.value(handle)? {
+            // What is rounded takes its operands so: a literal is as precise as they are.
+            Value::Regs(regs) if self.b.rounds && self.b.floats == Floats::Mediump => {
+                Ok(self.halves(&regs))
+            }
+            Value::Regs(regs) => Ok(regs),
+            Value::View(pointer) => self.load_all(&pointer),
+            Value::Pointer(_) => Err("a pointer used as a value".into()),
+        }
+    }
+
+    /// The one scalar of an expression.
+    pub fn scalar(&mut self, handle: Handle<Expression>) -> Result<Reg, String> {
+        let regs = self.regs(handle)?;
+        regs.first().copied().ok_or_else(|| "a value without a scalar".into())
+    }
+
+    pub fn value(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
+        if let Some(value) = &self.values[handle.index()] {
+            return Ok(value.clone());
+        }
+        let value = self.expression(handle)?;
+        // The default of an override may be computed in a branch that others do not take.
+        if !matches!(self.arena[handle], Expression::Override(_)) {
+            self.values[handle.index()] = Some(value.clone());
+        }
+        Ok(value)
+    }
+
+    pub fn zero(&mut self, inner: &TypeInner) -> Result<Rc<[Reg]>, String> {
+        let leaves = self.b.types.leaves(inner)?;
+        leaves.iter().map(|leaf| Ok(self.b.constant(class(leaf.scalar)?, 0))).collect()
+    }
+
+    /// Copies scalars, each class in one instruction.
+    pub fn copy(&mut self, op: impl Fn(Class) -> Op, to: &[Reg], from: &[Reg]) {
+        self.groups(op, &[], to, from);
+    }
+
+    /// One instruction for each class, with pairs of operands.
+    pub fn groups(&mut self, op: impl Fn(Class) -> Op, head: &[Reg], a: &[Reg], b: &[Reg]) {
+        for class in [Class::Real, Class::Word, Class::Wide] {
+            let operands: Vec<u32> = a
+                .iter()
+                .zip(b)
+                .filter(|(a, _)| a.class() == class)
+                .flat_map(|(a, b)| [a.0, b.0])
+                .collect();
+            if !operands.is_empty() {
+                self.b.push(op(class), head, &operands);
+            }
+        }
+    }
+}

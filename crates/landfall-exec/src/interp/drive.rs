@@ -1,0 +1,261 @@
+//! Running over any number of invocations: resources, batches, threads, notes.
+//!
+//! Feeds the [`machine`](super::machine); used by [`stage`](super::stage),
+//! [`call`](super::call) and [`reader`](super::reader).
+
+use std::borrow::Cow;
+use std::time::Instant;
+
+use super::code::LANES;
+use super::counts::Tally;
+use super::machine::{Image, Machine, Memory, Seen, Stopped, Tracer, Watch};
+use super::program::{BufferSpace, Program};
+use super::real::Real;
+use super::stage::{Notes, Precision, Settings, failure, refused_for};
+use super::undefined::{Divergence, Undefined};
+use crate::backend::{Failure, FailureKind, Resource, ResourceKind};
+
+/// Resources as the program's buffers and images.
+pub(super) struct Bound<'j> {
+    buffers: Vec<(&'j [u8], Option<usize>)>,
+    images: Vec<Image<'j>>,
+    resources: usize,
+    writes: bool,
+}
+
+/// What comes out of all batches.
+pub(super) struct Outcome<T> {
+    pub results: Vec<T>,
+    /// By resource: what is left in a writable buffer.
+    pub left: Vec<Option<Vec<u8>>>,
+    pub notes: Notes,
+}
+
+impl Program {
+    /// Finds the resources a function uses.
+    pub(super) fn bind<'j>(
+        &self,
+        function: u32,
+        resources: &'j [Resource],
+    ) -> Result<Bound<'j>, Failure> {
+        let state = self.functions[function as usize].state.as_ref();
+        state.map_err(|why| refused_for(why))?;
+        let globals = self.start.as_ref();
+        globals.map_err(|why| refused_for(why))?;
+        let uses = self.uses(function);
+        let missing = |name: &str, (group, binding): (u32, u32)| {
+            let at = format!("`{name}` at group {group}, binding {binding}");
+            failure(FailureKind::Refused, format!("nothing is bound to {at}"))
+        };
+        let mut writes = false;
+        let mut buffers = Vec::new();
+        for (info, used) in self.buffers.iter().zip(&uses.buffers) {
+            let fits = |kind: &ResourceKind| match (kind, info.space) {
+                (ResourceKind::Uniform(_), BufferSpace::Uniform)
+                | (ResourceKind::PushConstant(_), BufferSpace::PushConstant)
+                | (ResourceKind::Storage { .. }, BufferSpace::Storage { .. }) => true,
+                (
+                    ResourceKind::Texture { .. } | ResourceKind::Sampler | ResourceKind::Loose(_),
+                    _,
+                )
+                | (ResourceKind::Uniform(_), _)
+                | (ResourceKind::PushConstant(_), _)
+                | (ResourceKind::Storage { .. }, _) => false,
+            };
+            let push = info.space == BufferSpace::PushConstant;
+            let found = resources
+                .iter()
+                .position(|r| fits(&r.kind) && (push || (r.group, r.binding) == info.bound));
+            writes |= *used && matches!(info.space, BufferSpace::Storage { writable: true });
+            match found.map(|i| &resources[i].kind) {
+                Some(
+                    ResourceKind::Uniform(bytes)
+                    | ResourceKind::PushConstant(bytes)
+                    | ResourceKind::Storage { bytes, .. },
+                ) => buffers.push((bytes.as_slice(), found)),
+                _ if *used && info.space != BufferSpace::Workgroup => {
+                    return Err(missing(&info.name, info.bound));
+                }
+                _ => buffers.push((&[][..], None)),
+            }
+        }
+        let mut images = Vec::new();
+        for info in &self.images {
+            let found = resources.iter().find_map(|r| match &r.kind {
+                ResourceKind::Texture { width, height, texels }
+                    if (r.group, r.binding) == info.bound =>
+                {
+                    Some(Image { width: *width, height: *height, texels })
+                }
+                _ => None,
+            });
+            match found {
+                Some(image) => images.push(image),
+                None if uses.images => return Err(missing(&info.name, info.bound)),
+                None => images.push(Image { width: 0, height: 0, texels: &[] }),
+            }
+        }
+        Ok(Bound { buffers, images, resources: resources.len(), writes })
+    }
+
+    /// Runs batches: on all threads, or on one where they write what others read.
+    pub(super) fn drive<R: Real, T: Send>(
+        &self,
+        bound: &Bound,
+        batches: usize,
+        settings: &Settings,
+        each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
+    ) -> Result<Outcome<T>, Failure> {
+        let wanted = match settings.threads {
+            0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
+            given => given,
+        };
+        let threads = if bound.writes { 1 } else { wanted.min(batches.div_ceil(4)).max(1) };
+        let share = batches.div_ceil(threads);
+        let work = |thread: usize| {
+            let mut machine = self.machine::<R>(bound, settings);
+            let range = (thread * share).min(batches)..((thread + 1) * share).min(batches);
+            let mut results = Vec::with_capacity(range.len());
+            for batch in range {
+                if let Some(watch) = &mut machine.watch {
+                    watch.next_batch(batch * LANES);
+                }
+                if settings.deadline.is_some_and(|deadline| Instant::now() > deadline) {
+                    return Err(Stopped::Late);
+                }
+                let parted = machine.watch.as_ref().map_or(0, |w| w.parted.len());
+                results.push(each(&mut machine, batch)?);
+                if let Some(watch) = &mut machine.watch {
+                    watch.parted[parted..].iter_mut().for_each(|p| p.lane += batch * LANES);
+                }
+            }
+            Ok((results, machine))
+        };
+        let done: Vec<Result<_, Stopped>> = if threads == 1 {
+            vec![work(0)]
+        } else {
+            std::thread::scope(|scope| {
+                let handles: Vec<_> = (0..threads).map(|t| scope.spawn(move || work(t))).collect();
+                handles.into_iter().map(|h| h.join().expect("the machine does not panic")).collect()
+            })
+        };
+        let mut outcome = Outcome {
+            results: Vec::with_capacity(batches),
+            left: vec![None; bound.resources],
+            notes: Notes::default(),
+        };
+        let mut tally = Tally::new(self.functions.len());
+        let mut watch = Watch::default();
+        let mut read = vec![Vec::new(); bound.resources];
+        for done in done {
+            let (results, machine) = done.map_err(|stopped| self.stopped(stopped))?;
+            outcome.results.extend(results);
+            tally.add(&machine.tally);
+            for (i, memory) in machine.buffers.into_iter().enumerate() {
+                let Some(resource) = bound.buffers[i].1 else { continue };
+                if !memory.read.is_empty() {
+                    let all: &mut Vec<bool> = &mut read[resource];
+                    all.resize(memory.bytes.len(), false);
+                    for (byte, read) in all.iter_mut().enumerate() {
+                        *read |= memory.read[byte / 64] >> (byte % 64) & 1 == 1;
+                    }
+                }
+                if self.buffers[i].space == (BufferSpace::Storage { writable: true }) {
+                    outcome.left[resource] = Some(memory.bytes.into_owned());
+                }
+            }
+            if let Some(more) = machine.watch {
+                watch.merge(*more);
+            }
+        }
+        let names = self.functions.iter().map(|f| f.name.clone());
+        outcome.notes.counts = tally.counts(names);
+        outcome.notes.read = read;
+        self.note(watch, &mut outcome.notes);
+        Ok(outcome)
+    }
+
+    fn machine<'p, 'j, R: Real>(
+        &'p self,
+        bound: &Bound<'j>,
+        settings: &Settings,
+    ) -> Machine<'p, 'j, R> {
+        let mut machine = Machine::new(self);
+        for (info, (bytes, _)) in self.buffers.iter().zip(&bound.buffers) {
+            let read = if settings.watch { vec![0; bytes.len().div_ceil(64)] } else { Vec::new() };
+            let bytes = match info.space {
+                BufferSpace::Workgroup => Cow::Owned(vec![0; info.size as usize]),
+                BufferSpace::Uniform | BufferSpace::PushConstant | BufferSpace::Storage { .. } => {
+                    Cow::Borrowed(*bytes)
+                }
+            };
+            machine.buffers.push(Memory { bytes, read });
+        }
+        machine.images = bound.images.clone();
+        machine.budget = settings.budget;
+        machine.deadline = settings.deadline;
+        if settings.watch {
+            let tolerance = settings.tolerance.filter(|_| settings.precision == Precision::Both);
+            let tracer = settings.trace.then(Box::<Tracer>::default);
+            machine.watch = Some(Box::new(Watch { tolerance, tracer, ..Watch::default() }));
+        }
+        machine
+    }
+
+    fn note(&self, watch: Watch, notes: &mut Notes) {
+        let mut seen: Vec<_> = watch.undefined.into_iter().collect();
+        seen.sort_by_key(|((pc, kind), _)| (*pc, *kind));
+        for ((pc, kind), seen) in seen {
+            let place = self.place(self.origins[pc]);
+            let same = |u: &&mut Undefined| u.kind == kind && u.place == place;
+            // The components of one expression are several instructions.
+            match notes.undefined.iter_mut().find(same) {
+                Some(known) => {
+                    known.count += seen.count;
+                    let new = seen.lanes.into_iter().filter(|lane| !known.lanes.contains(lane));
+                    let new: Vec<usize> = new.collect();
+                    known.lanes.extend(new);
+                }
+                None => {
+                    let Seen { count, operands, lanes } = seen;
+                    notes.undefined.push(Undefined { kind, place, count, operands, lanes });
+                }
+            }
+        }
+        notes.trace = watch.tracer.map(|tracer| Box::new(tracer.trace));
+        notes.divergences = watch
+            .parted
+            .into_iter()
+            .map(|p| Divergence {
+                lane: p.lane,
+                place: self.place(self.origins[p.pc]),
+                single: p.single,
+                double: p.double,
+                operands: p.operands,
+            })
+            .collect();
+    }
+
+    fn stopped(&self, stopped: Stopped) -> Failure {
+        let (kind, what, origin) = match stopped {
+            Stopped::Budget(origin) => {
+                (FailureKind::TimedOut, "a loop did not end within the budget of steps", origin)
+            }
+            Stopped::Deadline(origin) => {
+                (FailureKind::TimedOut, "a loop was still running when the time was up", origin)
+            }
+            Stopped::Late => {
+                let message = "the time was up before all invocations had run".into();
+                return failure(FailureKind::TimedOut, message);
+            }
+            Stopped::Barrier(origin) => (
+                FailureKind::Refused,
+                "the evaluator knows barriers only where all of a workgroup of at most 64 meet",
+                origin,
+            ),
+        };
+        let place = self.place(origin);
+        let at = if place.shown.is_empty() { String::new() } else { format!(", {}", place.shown) };
+        failure(kind, format!("{what}: in `{}`{at}", place.function))
+    }
+}

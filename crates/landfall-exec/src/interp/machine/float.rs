@@ -1,0 +1,472 @@
+//! Floats: each operation on each lane, in the precision of the run.
+
+use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Test};
+use super::super::real::Real;
+use super::kernel::{dear, map1, map2, map3};
+use super::{Column, Machine, column, take};
+use landfall_layout::buffer::float::odd;
+
+/// `pow` as devices are asked for it: no value of a negative base, whatever the exponent.
+pub(super) fn pow(x: f64, y: f64) -> f64 {
+    if x < 0.0 { f64::NAN } else { x.powf(y) }
+}
+
+/// A function of one operand that no processor instruction computes.
+pub(super) fn transcendental(f: F1, x: f64) -> f64 {
+    match f {
+        F1::Sin => x.sin(),
+        F1::Cos => x.cos(),
+        F1::Tan => x.tan(),
+        F1::Sinh => x.sinh(),
+        F1::Cosh => x.cosh(),
+        F1::Tanh => x.tanh(),
+        F1::Asin => x.asin(),
+        F1::Acos => x.acos(),
+        F1::Atan => x.atan(),
+        F1::Asinh => x.asinh(),
+        F1::Acosh => acosh(x),
+        F1::Atanh => atanh(x),
+        F1::Exp => x.exp(),
+        F1::Exp2 => x.exp2(),
+        F1::Log => x.ln(),
+        F1::Log2 => x.log2(),
+        F1::Radians => x * (std::f64::consts::PI / 180.0),
+        F1::Degrees => x * (180.0 / std::f64::consts::PI),
+        F1::InverseSqrt => 1.0 / x.sqrt(),
+        F1::FrexpFract => frexp(x).0,
+        F1::Quantize => half::f16::from_f32(odd(x)).to_f64(),
+        F1::Neg
+        | F1::Abs
+        | F1::Sign
+        | F1::Floor
+        | F1::Ceil
+        | F1::Round
+        | F1::Trunc
+        | F1::Fract
+        | F1::Saturate
+        | F1::Sqrt => f64::NAN,
+    }
+}
+
+/// By `x - 1`: the library's form (Rust 1.95) has no digits left of it beside 1.
+fn acosh(x: f64) -> f64 {
+    let past = x - 1.0;
+    (past + past.sqrt() * (past + 2.0).sqrt()).ln_1p()
+}
+
+/// Of the absolute value: the library's form (Rust 1.95) loses digits beside -1.
+fn atanh(x: f64) -> f64 {
+    let size = x.abs();
+    (0.5 * (2.0 * size / (1.0 - size)).ln_1p()).copysign(x)
+}
+
+/// Fraction from 0.5 to 1 and exponent.
+pub(in crate::interp) fn frexp(x: f64) -> (f64, i32) {
+    if x == 0.0 || !x.is_finite() {
+        return (x, 0);
+    }
+    let scaled = x.abs() < f64::MIN_POSITIVE;
+    let y = if scaled { x * 2f64.powi(64) } else { x };
+    let exponent = (y.to_bits() >> 52 & 0x7ff) as i32 - 1022;
+    let fraction = f64::from_bits(y.to_bits() & !(0x7ff << 52) | 1022 << 52);
+    (fraction, if scaled { exponent - 64 } else { exponent })
+}
+
+/// `x * 2^e` without an overflow on the way.
+pub(super) fn ldexp(x: f64, e: i32) -> f64 {
+    let e = e.clamp(-2200, 2200);
+    let third = e / 3;
+    x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
+}
+
+pub(super) fn simple1<R: Real>(f: F1) -> Option<fn(R) -> R> {
+    Some(match f {
+        F1::Neg => |x| x.neg(),
+        F1::Abs => |x| x.abs(),
+        F1::Sign if R::PERMITTED => |x| x.function1(F1::Sign, sign),
+        F1::Sign => |x| {
+            let one = R::narrow(1.0);
+            let s = x.double();
+            if s > 0.0 {
+                one
+            } else if s < 0.0 {
+                one.neg()
+            } else {
+                x
+            }
+        },
+        F1::Floor => |x| x.floor(),
+        F1::Ceil => |x| x.ceil(),
+        F1::Round => |x| x.round(),
+        F1::Trunc => |x| x.trunc(),
+        F1::Fract => |x| x.sub(x.floor()),
+        F1::Saturate => |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)),
+        F1::Sqrt => |x| x.sqrt(),
+        _ => return None,
+    })
+}
+
+fn sign(x: f64) -> f64 {
+    if x == 0.0 { x } else { x.signum() }
+}
+
+pub(super) fn step<R: Real>(edge: R, x: R) -> R {
+    // Both parts of a shadow decide for themselves.
+    x.function2(F2::Step, edge, |x, edge| f64::from(u8::from(edge <= x)))
+}
+
+#[inline(always)]
+pub(super) fn mix<R: Real>(x: R, y: R, a: R) -> R {
+    // e1 * (1 - e3) + e2 * e3: GLSL 4.60 §8.3.
+    x.mul(R::narrow(1.0).sub(a)).add(y.mul(a))
+}
+
+#[inline(always)]
+pub(super) fn smoothstep<R: Real>(low: R, high: R, x: R) -> R {
+    let t = x.sub(low).div(high.sub(low)).max(R::narrow(0.0)).min(R::narrow(1.0));
+    t.mul(t).mul(R::narrow(3.0).sub(R::narrow(2.0).mul(t)))
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    #[inline(always)]
+    fn each1(&mut self, operands: &[u32], f: impl Fn(R) -> R + Copy) {
+        for group in operands.chunks_exact(2) {
+            let mut to = take(&mut self.reals, group[0]);
+            map1(&mut to, column(&self.reals, group[1]), f);
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    #[inline(always)]
+    fn each2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R + Copy) {
+        for group in operands.chunks_exact(3) {
+            let mut to = take(&mut self.reals, group[0]);
+            map2(&mut to, column(&self.reals, group[1]), column(&self.reals, group[2]), f);
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    #[inline(always)]
+    fn each3(&mut self, operands: &[u32], f: impl Fn(R, R, R) -> R + Copy) {
+        for group in operands.chunks_exact(4) {
+            let mut to = take(&mut self.reals, group[0]);
+            let [a, b, c] = [1, 2, 3].map(|i| column(&self.reals, group[i]));
+            map3(&mut to, a, b, c, f);
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    fn agree(&self, reg: u32) -> bool {
+        let column = column(&self.reals, reg);
+        column.iter().all(|x| x.same(column[0]))
+    }
+
+    pub(super) fn f1(&mut self, f: F1, operands: &[u32]) {
+        match f {
+            F1::Neg => self.each1(operands, |x| x.neg()),
+            F1::Abs => self.each1(operands, |x| x.abs()),
+            F1::Floor => self.each1(operands, |x| x.floor()),
+            F1::Ceil => self.each1(operands, |x| x.ceil()),
+            F1::Trunc => self.each1(operands, |x| x.trunc()),
+            F1::Round => self.each1(operands, |x| x.round()),
+            F1::Fract => self.each1(operands, |x| x.sub(x.floor())),
+            F1::Saturate => {
+                self.each1(operands, |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)));
+            }
+            F1::Sqrt => self.each1(operands, |x| x.sqrt()),
+            F1::InverseSqrt => {
+                self.each1(operands, |x| x.function1(f, |x| 1.0 / x.sqrt()));
+            }
+            F1::Sign => {
+                let sign = simple1::<R>(F1::Sign).expect("it is one of them");
+                self.each1(operands, sign);
+            }
+            F1::Radians | F1::Degrees => {
+                self.each1(operands, |x| x.function1(f, |x| transcendental(f, x)));
+            }
+            _ => self.transcendental1(f, operands),
+        }
+    }
+
+    fn transcendental1(&mut self, f: F1, operands: &[u32]) {
+        for group in operands.chunks_exact(2) {
+            let agree = self.agree(group[1]);
+            let mut to = take(&mut self.reals, group[0]);
+            let a = column(&self.reals, group[1]);
+            dear(
+                &mut to,
+                self.active,
+                agree,
+                |i| a[i],
+                |x| x.function1(f, |x| transcendental(f, x)),
+            );
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn f2(&mut self, f: F2, operands: &[u32]) {
+        match f {
+            F2::Add => self.each2(operands, |a, b| a.add(b)),
+            F2::Sub => self.each2(operands, |a, b| a.sub(b)),
+            F2::Mul if R::PERMITTED => {
+                for group in operands.chunks_exact(3) {
+                    match group[1] == group[2] {
+                        true => self.each1(&group[..2], R::squared),
+                        false => self.each2(group, R::mul),
+                    }
+                }
+            }
+            F2::Mul => self.each2(operands, |a, b| a.mul(b)),
+            F2::Div => self.each2(operands, |a, b| a.div(b)),
+            F2::Min => self.each2(operands, |a, b| a.min(b)),
+            F2::Max => self.each2(operands, |a, b| a.max(b)),
+            F2::Step => self.each2(operands, step),
+            F2::Rem => self.transcendental2(operands, |a, b| a.rem(b)),
+            F2::Pow => self.transcendental2(operands, |a, b| a.function2(f, b, pow)),
+            F2::Atan2 => self.transcendental2(operands, |a, b| a.function2(f, b, f64::atan2)),
+        }
+    }
+
+    fn transcendental2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R) {
+        for group in operands.chunks_exact(3) {
+            let agree = self.agree(group[1]) && self.agree(group[2]);
+            let mut to = take(&mut self.reals, group[0]);
+            let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
+            dear(&mut to, self.active, agree, |i| (a[i], b[i]), |(a, b)| f(a, b));
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn f3(&mut self, f: F3, operands: &[u32]) {
+        match f {
+            F3::Fma => self.each3(operands, |a, b, c| a.fma(b, c)),
+            F3::Mix => self.each3(operands, mix),
+            F3::Clamp => self.each3(operands, |x, low, high| x.max(low).min(high)),
+            F3::SmoothStep => self.each3(operands, smoothstep),
+        }
+    }
+
+    pub(super) fn compare_reals(&mut self, cmp: Cmp, operands: &[u32]) {
+        macro_rules! each {
+            ($op:tt) => {
+                for group in operands.chunks_exact(3) {
+                    let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
+                    let to = self.words[group[0] as usize].as_mut().expect(super::HELD);
+                    map2(to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
+                }
+            };
+        }
+        match cmp {
+            Cmp::Eq => each!(==),
+            Cmp::Ne => each!(!=),
+            Cmp::Lt => each!(<),
+            Cmp::Le => each!(<=),
+            Cmp::Gt => each!(>),
+            Cmp::Ge => each!(>=),
+        }
+        if R::PERMITTED {
+            for group in operands.chunks_exact(3) {
+                let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
+                for lane in 0..LANES {
+                    let unsure = u64::from(a[lane].unsure(cmp, b[lane])) << lane;
+                    self.unsure |= unsure & self.active;
+                }
+            }
+        }
+    }
+
+    pub(super) fn test_reals(&mut self, test: Test, operands: &[u32]) {
+        for group in operands.chunks_exact(2) {
+            let a = column(&self.reals, group[1]);
+            let to = self.words[group[0] as usize].as_mut().expect(super::HELD);
+            match test {
+                Test::IsNan => map1(to, a, |x| u32::from(R::by(x) != R::by(x))),
+                Test::IsInf => map1(to, a, |x| u32::from(x.is_infinite())),
+            }
+        }
+    }
+
+    pub(super) fn ldexp(&mut self, operands: &[u32]) {
+        for group in operands.chunks_exact(3) {
+            let mut to = take(&mut self.reals, group[0]);
+            let (a, e) = (column(&self.reals, group[1]), column(&self.words, group[2]));
+            map2(&mut to, a, e, |a, e| a.lift1(|x| ldexp(x, e as i32)));
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn dot(&mut self, n: usize, operands: &[u32]) {
+        for group in operands.chunks_exact(1 + 2 * n) {
+            let mut to = take(&mut self.reals, group[0]);
+            let (a, b) = group[1..].split_at(n);
+            let of = |reg: u32| column(&self.reals, reg);
+            match n {
+                _ if R::PERMITTED => {
+                    products_in_any_order(
+                        &mut to,
+                        |i, lane| (of(a[i])[lane], of(b[i])[lane]),
+                        n,
+                        a == b,
+                    );
+                }
+                2 => dot2([of(a[0]), of(a[1])], [of(b[0]), of(b[1])], &mut to),
+                3 => dot3([of(a[0]), of(a[1]), of(a[2])], [of(b[0]), of(b[1]), of(b[2])], &mut to),
+                _ => {
+                    map2(&mut to, of(a[0]), of(b[0]), |a, b| a.mul(b));
+                    for (a, b) in a.iter().zip(b).skip(1) {
+                        accumulate(&mut to, of(*a), of(*b));
+                    }
+                }
+            }
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn length(&mut self, n: usize, operands: &[u32]) {
+        for group in operands.chunks_exact(1 + n) {
+            let mut to = take(&mut self.reals, group[0]);
+            self.length_of(&group[1..], &mut to);
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    fn length_of(&self, v: &[u32], to: &mut [R; LANES]) {
+        self.squares_of(v, to);
+        to.iter_mut().for_each(|x| *x = x.sqrt());
+    }
+
+    fn squares_of(&self, v: &[u32], to: &mut [R; LANES]) {
+        let of = |reg: u32| column(&self.reals, reg);
+        if R::PERMITTED {
+            return products_in_any_order(to, |i, lane| [of(v[i])[lane]; 2].into(), v.len(), true);
+        }
+        map2(to, of(v[0]), of(v[0]), |a, b| a.mul(b));
+        for reg in &v[1..] {
+            accumulate(to, of(*reg), of(*reg));
+        }
+    }
+
+    pub(super) fn distance(&mut self, n: usize, operands: &[u32]) {
+        for group in operands.chunks_exact(1 + 2 * n) {
+            let mut to = take(&mut self.reals, group[0]);
+            let (a, b) = group[1..].split_at(n);
+            let of = |reg: u32| column(&self.reals, reg);
+            if n == 1 {
+                map2(&mut to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
+            } else if R::PERMITTED {
+                let between = |i: usize, lane: usize| of(a[i])[lane].sub(of(b[i])[lane]);
+                products_in_any_order(&mut to, |i, lane| [between(i, lane); 2].into(), n, true);
+                to.iter_mut().for_each(|x| *x = x.sqrt());
+            } else {
+                map2(&mut to, of(a[0]), of(b[0]), |a, b| a.sub(b).mul(a.sub(b)));
+                for (a, b) in a.iter().zip(b).skip(1) {
+                    let (a, b) = (of(*a), of(*b));
+                    for lane in 0..LANES {
+                        let between = a[lane].sub(b[lane]);
+                        to[lane] = to[lane].add(between.mul(between));
+                    }
+                }
+                to.iter_mut().for_each(|x| *x = x.sqrt());
+            }
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    /// Each component over the length: WGSL §17.5.
+    pub(super) fn normalize(&mut self, n: usize, operands: &[u32]) {
+        for group in operands.chunks_exact(2 * n) {
+            let (to, from) = group.split_at(n);
+            let language = self.program.language;
+            let mut squares = [R::default(); LANES];
+            self.squares_of(from, &mut squares);
+            let length = squares.map(R::sqrt);
+            for (to, from) in to.iter().zip(from) {
+                let mut quotient = take(&mut self.reals, *to);
+                let from = column(&self.reals, *from);
+                map3(&mut quotient, from, &length, &squares, |a, b, c| {
+                    a.over_length(b, c, language)
+                });
+                self.reals[*to as usize] = Some(quotient);
+            }
+        }
+    }
+
+    pub(super) fn cross(&mut self, operands: &[u32]) {
+        for group in operands.chunks_exact(9) {
+            let (to, from) = group.split_at(3);
+            let (a, b) = from.split_at(3);
+            for (i, &to) in to.iter().enumerate() {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                let mut product: Column<R> = take(&mut self.reals, to);
+                let of = |reg: u32| column(&self.reals, reg);
+                let (aj, bk, ak, bj) = (of(a[j]), of(b[k]), of(a[k]), of(b[j]));
+                for lane in 0..LANES {
+                    let left = aj[lane].mul(bk[lane]);
+                    product[lane] = left.sub(ak[lane].mul(bj[lane]));
+                }
+                self.reals[to as usize] = Some(product);
+            }
+        }
+    }
+
+    /// Differences within quads of lanes: the second right of the first, the third below. What
+    /// was not started is as the lane beside it: a call by itself has no neighbours.
+    pub(super) fn derivative(&mut self, axis: Axis, fine: bool, operands: &[u32]) {
+        for group in operands.chunks_exact(2) {
+            let mut to = take(&mut self.reals, group[0]);
+            let a = column(&self.reals, group[1]);
+            let started = self.started;
+            for lane in 0..LANES {
+                let from = if fine { lane } else { lane & !3 };
+                let at = |other: usize| a[if started >> other & 1 == 1 { other } else { lane }];
+                let x = || at(from | 1).sub(at(from & !1));
+                let y = || at(from | 2).sub(at(from & !2));
+                to[lane] = match axis {
+                    Axis::X => x(),
+                    Axis::Y => y(),
+                    Axis::Width => x().abs().add(y().abs()),
+                };
+            }
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+}
+
+/// Sums of products for a number that knows what other devices may give.
+fn products_in_any_order<R: Real>(
+    to: &mut [R; LANES],
+    factors: impl Fn(usize, usize) -> (R, R),
+    n: usize,
+    squares: bool,
+) {
+    for (lane, to) in to.iter_mut().enumerate() {
+        let mut products = [R::default(); 4];
+        for (i, product) in products[..n].iter_mut().enumerate() {
+            let (a, b) = factors(i, lane);
+            *product = if squares { a.squared() } else { a.mul(b) };
+        }
+        *to = R::total(&products[..n]);
+    }
+}
+
+#[inline(never)]
+fn accumulate<R: Real>(to: &mut [R; LANES], a: &[R; LANES], b: &[R; LANES]) {
+    for lane in 0..LANES {
+        to[lane] = to[lane].add(a[lane].mul(b[lane]));
+    }
+}
+
+#[inline(never)]
+fn dot2<R: Real>(a: [&[R; LANES]; 2], b: [&[R; LANES]; 2], to: &mut [R; LANES]) {
+    for lane in 0..LANES {
+        to[lane] = a[0][lane].mul(b[0][lane]).add(a[1][lane].mul(b[1][lane]));
+    }
+}
+
+#[inline(never)]
+fn dot3<R: Real>(a: [&[R; LANES]; 3], b: [&[R; LANES]; 3], to: &mut [R; LANES]) {
+    for lane in 0..LANES {
+        let two = a[0][lane].mul(b[0][lane]).add(a[1][lane].mul(b[1][lane]));
+        to[lane] = two.add(a[2][lane].mul(b[2][lane]));
+    }
+}

@@ -1,0 +1,230 @@
+//! Notes every operation of one invocation, and where its operands came from: the graph of
+//! what was computed, loops unrolled, copies looked through.
+//!
+//! Like [`watch`](super::watch) it looks at registers behind each instruction; the public
+//! form is [`Trace`].
+
+use rustc_hash::FxHashMap;
+
+use super::super::code::{Cast, Class, F1, F2, F3, Op, Reg, Stored};
+use super::super::program::FunctionCode;
+use super::super::real::Real;
+use super::super::trace::{Number, Operand, Operation, Source, Step, Trace};
+use super::{Machine, column};
+
+/// Steps that are noted at most.
+const MOST: usize = 1 << 17;
+
+/// A trace while it is made.
+#[derive(Clone, Debug, Default)]
+pub(in crate::interp) struct Tracer {
+    pub trace: Trace,
+    /// By class and register: what was written there last.
+    written: FxHashMap<(u8, u32), Source>,
+}
+
+impl Tracer {
+    /// The arguments are in their registers.
+    pub fn begin(&mut self, code: &FunctionCode) {
+        for (parameter, argument) in code.arguments.iter().enumerate() {
+            for (scalar, reg) in argument.regs.iter().enumerate() {
+                let source = Source::Input { parameter: parameter as u32, scalar: scalar as u32 };
+                self.written.insert((reg.class() as u8, reg.number()), source);
+            }
+        }
+    }
+
+    /// The results are in their registers.
+    pub fn finish(&mut self, code: &FunctionCode) {
+        let of = |regs: &[Reg]| -> Vec<Source> {
+            regs.iter().map(|reg| self.source(reg.class(), reg.number())).collect()
+        };
+        let results = of(&code.result);
+        let returned = code.arguments.iter().map(|argument| of(&argument.regs)).collect();
+        self.trace.results = results;
+        self.trace.returned = returned;
+    }
+
+    fn source(&self, class: Class, reg: u32) -> Source {
+        self.written.get(&(class as u8, reg)).copied().unwrap_or(Source::Constant)
+    }
+
+    fn write(&mut self, class: Class, reg: u32, source: Source) {
+        self.written.insert((class as u8, reg), source);
+    }
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    /// Notes an instruction that has run, for the first lane.
+    pub(super) fn trace(&mut self, pc: usize, op: Op, head: &[u32], operands: &[u32]) {
+        if self.active & 1 == 0 || op.shape().len() == 0 {
+            return;
+        }
+        let Some(mut tracer) = self.watch.as_mut().and_then(|watch| watch.tracer.take()) else {
+            return;
+        };
+        for group in operands.chunks_exact(op.shape().len()) {
+            self.trace_group(&mut tracer, pc, op, head, group);
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.tracer = Some(tracer);
+        }
+    }
+
+    fn number(&self, class: Class, reg: u32) -> Number {
+        match class {
+            Class::Real => {
+                let x = column(&self.reals, reg)[0];
+                Number { single: x.single(), double: x.double() }
+            }
+            Class::Word => {
+                let x = column(&self.words, reg)[0];
+                Number { single: x as f32, double: f64::from(x) }
+            }
+            Class::Wide => {
+                let x = f64::from_bits(column(&self.wides, reg)[0]);
+                Number { single: x as f32, double: x }
+            }
+        }
+    }
+
+    fn trace_group(&self, t: &mut Tracer, pc: usize, op: Op, head: &[u32], group: &[u32]) {
+        let way = |access: u32, class: Class| {
+            let access = &self.program.accesses[access as usize];
+            self.way(access, head, 0, class as usize) as u32
+        };
+        // Copies are looked through.
+        match op {
+            Op::Move(class) | Op::Blank(class) | Op::Store(class) => {
+                let source = t.source(class, group[1]);
+                return t.write(class, group[0], source);
+            }
+            Op::Select(class) => {
+                let yes = column(&self.words, group[1])[0] != 0;
+                let source = t.source(class, if yes { group[2] } else { group[3] });
+                return t.write(class, group[0], source);
+            }
+            Op::Gather(class, access) => {
+                let source = t.source(class, group[1] + way(access, class));
+                return t.write(class, group[0], source);
+            }
+            Op::Scatter(class, access) => {
+                let source = t.source(class, group[0]);
+                return t.write(class, group[1] + way(access, class), source);
+            }
+            Op::Load(_) => {
+                let class = match Stored::ALL[group[2] as usize] {
+                    Stored::F32 | Stored::F16 => Class::Real,
+                    Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => Class::Word,
+                    Stored::B64 => Class::Wide,
+                };
+                return t.write(class, group[0], Source::Buffer);
+            }
+            _ => {}
+        }
+        let Some((operation, to, from)) = form(op) else {
+            // Doubles, atomics, images' sizes: where they come from is not followed.
+            for class in [Class::Real, Class::Word, Class::Wide] {
+                for &reg in &group[..op.shape().writes] {
+                    t.write(class, reg, Source::Unknown);
+                }
+            }
+            return;
+        };
+        let shape = op.shape();
+        let (writes, rest) = group.split_at(shape.writes);
+        let mut operands = Vec::with_capacity(shape.reads);
+        for (at, &reg) in rest[..shape.reads].iter().enumerate() {
+            let class = if op == Op::Ldexp && at == 1 { Class::Word } else { from };
+            let number = self.number(class, reg);
+            operands.push(Operand { number, source: t.source(class, reg) });
+        }
+        let results = writes.iter().map(|&reg| self.number(to, reg)).collect();
+        let step = t.trace.steps.len() as u32;
+        for (part, &reg) in writes.iter().enumerate() {
+            let part = part as u32;
+            let full = step as usize >= MOST;
+            let source = if full { Source::Unknown } else { Source::Step { step, part } };
+            t.write(to, reg, source);
+        }
+        if (step as usize) < MOST {
+            let origin = self.program.origins[pc];
+            t.trace.steps.push(Step { operation, operands, results, origin });
+        } else {
+            t.trace.cut = true;
+        }
+    }
+}
+
+/// What an instruction is called, the class of its results and of its operands.
+fn form(op: Op) -> Option<(Operation, Class, Class)> {
+    use Class::{Real, Word};
+    Some(match op {
+        Op::F1(f) => (unary(f), Real, Real),
+        Op::F2(f) => (binary(f), Real, Real),
+        Op::F3(f) => (ternary(f), Real, Real),
+        Op::FCmp(_) => (Operation::Compare, Word, Real),
+        Op::FTest(_) => (Operation::Compare, Word, Real),
+        Op::Ldexp => (Operation::Other, Real, Real),
+        Op::Dot(_) => (Operation::Dot, Real, Real),
+        Op::Length(_) => (Operation::Length, Real, Real),
+        Op::Distance(_) => (Operation::Distance, Real, Real),
+        Op::Normalize(_) => (Operation::Normalize, Real, Real),
+        Op::Cross => (Operation::Cross, Real, Real),
+        Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (Operation::Other, Real, Real),
+        Op::I1(_) | Op::I2(_) | Op::CmpSint(_) | Op::CmpUint(_) => (Operation::Integer, Word, Word),
+        Op::ExtractSint | Op::ExtractUint | Op::Insert => (Operation::Integer, Word, Word),
+        Op::Sample | Op::Texel => (Operation::Texture, Real, Real),
+        Op::Cast(cast) => {
+            let (to, from) = match cast {
+                Cast::RealToSint | Cast::RealToUint | Cast::RealToBool => (Word, Real),
+                Cast::RealBits | Cast::HalfToBits | Cast::Exponent => (Word, Real),
+                Cast::SintToReal | Cast::UintToReal | Cast::BitsReal => (Real, Word),
+                Cast::LowHalf | Cast::HighHalf => (Real, Word),
+                Cast::RoundHalf => (Real, Real),
+                Cast::WordToBool => (Word, Word),
+                _ => return None,
+            };
+            (Operation::Convert, to, from)
+        }
+        _ => return None,
+    })
+}
+
+fn unary(f: F1) -> Operation {
+    match f {
+        F1::Neg => Operation::Neg,
+        F1::Abs => Operation::Abs,
+        F1::Saturate => Operation::Clamp,
+        F1::Sqrt => Operation::Root,
+        F1::InverseSqrt => Operation::InverseRoot,
+        F1::Exp | F1::Exp2 => Operation::Exp,
+        F1::Log | F1::Log2 => Operation::Log,
+        F1::Sin | F1::Cos | F1::Tan => Operation::Trigonometric,
+        _ => Operation::Other,
+    }
+}
+
+fn binary(f: F2) -> Operation {
+    match f {
+        F2::Add => Operation::Add,
+        F2::Sub => Operation::Sub,
+        F2::Mul => Operation::Mul,
+        F2::Div => Operation::Div,
+        F2::Rem => Operation::Rem,
+        F2::Min => Operation::Min,
+        F2::Max => Operation::Max,
+        F2::Step => Operation::Edge,
+        F2::Pow => Operation::Pow,
+        F2::Atan2 => Operation::Other,
+    }
+}
+
+fn ternary(f: F3) -> Operation {
+    match f {
+        F3::Fma => Operation::Fma,
+        F3::Mix => Operation::Mix,
+        F3::Clamp => Operation::Clamp,
+        F3::SmoothStep => Operation::SmoothStep,
+    }
+}

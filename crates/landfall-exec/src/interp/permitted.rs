@@ -1,0 +1,196 @@
+//! A number with all the values that any conformant device may have in its place.
+//!
+//! One of the [`Real`]s of the machine: the `f32` is what [`Single`](super::Precision::Single)
+//! computes, and branches follow it; around it lies the [`Interval`] of the expression as it is
+//! written. A device that reorders what is written may leave it.
+
+use super::code::{Cmp, F1, F2};
+use super::interval::{Interval, sum_in_any_order};
+use super::machine::frexp;
+use super::real::Real;
+use landfall_layout::source::Language;
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Permitted {
+    pub single: f32,
+    pub span: Interval,
+}
+
+macro_rules! exactly {
+    ($($name:ident)*) => {$(
+        fn $name(self) -> Permitted {
+            let exact = |x: f64| Real::$name(x);
+            Permitted { single: Real::$name(self.single), span: self.span.monotone(exact) }
+        }
+    )*};
+}
+
+macro_rules! by_rule {
+    ($($name:ident($($b:ident)?);)*) => {$(
+        fn $name(self $(, $b: Permitted)?) -> Permitted {
+            Permitted {
+                single: Real::$name(self.single $(, $b.single)?),
+                span: self.span.$name($($b.span)?),
+            }
+        }
+    )*};
+}
+
+impl Permitted {
+    fn of(single: f32) -> Permitted {
+        Permitted { single, span: Interval::of(single) }
+    }
+
+    fn converted(single: f32, exact: f64) -> Permitted {
+        Permitted { single, span: Interval::near(exact) }
+    }
+}
+
+impl Real for Permitted {
+    const PERMITTED: bool = true;
+
+    fn narrow(x: f32) -> Permitted {
+        Permitted::of(x)
+    }
+    fn wide(x: f64) -> Permitted {
+        Permitted::converted(x as f32, x)
+    }
+    fn sint(x: i64) -> Permitted {
+        Permitted::converted(x as f32, x as f64)
+    }
+    fn uint(x: u64) -> Permitted {
+        Permitted::converted(x as f32, x as f64)
+    }
+    fn single(self) -> f32 {
+        self.single
+    }
+    fn double(self) -> f64 {
+        f64::from(self.single)
+    }
+    /// Of a rising function that is correctly rounded.
+    fn lift1(self, f: impl Fn(f64) -> f64) -> Permitted {
+        Permitted { single: self.single.lift1(&f), span: self.span.monotone(&f).rounded() }
+    }
+    fn lift2(self, b: Permitted, f: impl Fn(f64, f64) -> f64) -> Permitted {
+        // No rule is known: what it gives, and no width.
+        Permitted::of(self.single.lift2(b.single, &f))
+    }
+    fn function1(self, f: F1, exact: impl Fn(f64) -> f64) -> Permitted {
+        let x = self.span;
+        let span = match f {
+            F1::Sin => x.sin(),
+            F1::Cos => x.cos(),
+            F1::Tan => x.sin().div(x.cos()),
+            F1::Sinh => x.sinh(),
+            F1::Cosh => x.cosh(),
+            F1::Tanh => x.tanh(),
+            F1::Asin => x.asin(),
+            F1::Acos => x.acos(),
+            F1::Atan => x.atan(),
+            F1::Asinh => x.asinh(),
+            F1::Acosh => x.acosh(),
+            F1::Atanh => x.atanh(),
+            F1::Exp => x.exp(),
+            F1::Exp2 => x.exp2(),
+            F1::Log => x.ln(),
+            F1::Log2 => x.log2(),
+            F1::InverseSqrt => x.inverse_sqrt(),
+            F1::Radians => x.mul(Interval::near(std::f64::consts::PI / 180.0)),
+            F1::Degrees => x.mul(Interval::near(180.0 / std::f64::consts::PI)),
+            F1::FrexpFract => x.fraction(&exact, |x| frexp(x).1),
+            F1::Sign => x.sign(),
+            F1::Quantize => self.half().span,
+            F1::Neg
+            | F1::Abs
+            | F1::Floor
+            | F1::Ceil
+            | F1::Round
+            | F1::Trunc
+            | F1::Fract
+            | F1::Saturate
+            | F1::Sqrt => x.monotone(&exact).rounded(),
+        };
+        Permitted { single: self.single.lift1(exact), span }
+    }
+    fn function2(self, f: F2, b: Permitted, exact: impl Fn(f64, f64) -> f64) -> Permitted {
+        let span = match f {
+            F2::Pow => self.span.pow(b.span),
+            F2::Atan2 => self.span.atan2(b.span),
+            F2::Step => self.span.step(b.span),
+            F2::Add => self.span.add(b.span),
+            F2::Sub => self.span.sub(b.span),
+            F2::Mul => self.span.mul(b.span),
+            F2::Div => self.span.div(b.span),
+            F2::Rem => self.span.rem(b.span),
+            F2::Min => self.span.min(b.span),
+            F2::Max => self.span.max(b.span),
+        };
+        Permitted { single: self.single.lift2(b.single, exact), span }
+    }
+    by_rule! {
+        add(b); sub(b); mul(b); div(b); rem(b); min(b); max(b); neg(); abs(); sqrt();
+    }
+    exactly! { floor ceil trunc round }
+    fn fma(self, b: Permitted, c: Permitted) -> Permitted {
+        // Rounded once or twice: the interval of twice has both.
+        let single = Real::fma(self.single, b.single, c.single);
+        Permitted { single, span: self.span.mul(b.span).add(c.span) }
+    }
+    fn squared(self) -> Permitted {
+        Permitted { single: self.single * self.single, span: self.span.squared() }
+    }
+    fn total(terms: &[Permitted]) -> Permitted {
+        let mut single = terms[0].single;
+        terms[1..].iter().for_each(|term| single += term.single);
+        let mut spans = [Interval::default(); 4];
+        spans.iter_mut().zip(terms).for_each(|(span, term)| *span = term.span);
+        Permitted { single, span: sum_in_any_order(&spans[..terms.len()]) }
+    }
+    /// `x * inverseSqrt(squares)` by Vulkan, which WGSL may become; `x / length` by WGSL §17.5.
+    fn over_length(self, length: Permitted, squares: Permitted, of: Language) -> Permitted {
+        let single = self.single / length.single;
+        let product = self.span.mul(squares.span.inverse_sqrt());
+        let span = match of {
+            Language::Glsl => product,
+            Language::Wgsl => product.or(self.span.div(length.span)),
+        };
+        Permitted { single, span }
+    }
+    fn whole(self) -> f64 {
+        f64::from(self.single)
+    }
+    type By = f32;
+    fn by(self) -> f32 {
+        self.single
+    }
+    fn is_infinite(self) -> bool {
+        self.single.is_infinite()
+    }
+    fn same(self, b: Permitted) -> bool {
+        self.single.same(b.single) && self.span == b.span
+    }
+    fn half(self) -> Permitted {
+        let nearest = |x: f64| half::f16::from_f32(landfall_layout::buffer::float::odd(x)).to_f64();
+        Permitted { single: self.single.half(), span: self.span.monotone(nearest) }
+    }
+    fn span(self) -> Option<[f64; 2]> {
+        Some([self.span.low, self.span.high])
+    }
+    fn unsure(self, cmp: Cmp, b: Permitted) -> bool {
+        let (x, y) = (self.span, b.span);
+        if x.is_any() || y.is_any() {
+            return true;
+        }
+        match cmp {
+            Cmp::Eq | Cmp::Ne => {
+                let one = x.low == x.high && y.low == y.high;
+                x.low <= y.high && y.low <= x.high && !(one && x.low == y.low)
+            }
+            Cmp::Lt | Cmp::Ge => x.low < y.high && x.high >= y.low,
+            Cmp::Gt | Cmp::Le => y.low < x.high && y.high >= x.low,
+        }
+    }
+    fn unsure_whole(self) -> bool {
+        self.span.is_any() || self.span.low.trunc() != self.span.high.trunc()
+    }
+}

@@ -1,0 +1,306 @@
+//! The precisions a shader's floats can be computed in.
+//!
+//! The [`machine`](super::machine) is generic over them: `f32` as a device does
+//! it, rounded at each operation; `f64` as the reference; [`Shadow`] as both;
+//! [`Permitted`](super::permitted::Permitted) with all that other devices may get.
+
+use super::code::{Cmp, F1, F2};
+use landfall_layout::source::Language;
+
+/// A number that stands for a shader's `f32`.
+pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
+    /// Whether it knows what other devices may give in its place.
+    const PERMITTED: bool = false;
+    /// From a shader's value; exact.
+    fn narrow(x: f32) -> Self;
+    /// From a number of more digits than an `f32` has.
+    fn wide(x: f64) -> Self;
+    /// The `f32`, or the nearest to it.
+    fn single(self) -> f32;
+    /// The best it knows.
+    fn double(self) -> f64;
+    /// One operation, rounded once where it is an `f32`.
+    fn lift1(self, f: impl Fn(f64) -> f64) -> Self;
+    /// The same of two operands.
+    fn lift2(self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+    fn add(self, b: Self) -> Self;
+    fn sub(self, b: Self) -> Self;
+    fn mul(self, b: Self) -> Self;
+    fn div(self, b: Self) -> Self;
+    fn rem(self, b: Self) -> Self;
+    fn neg(self) -> Self;
+    fn abs(self) -> Self;
+    fn sqrt(self) -> Self;
+    fn fma(self, b: Self, c: Self) -> Self;
+    fn floor(self) -> Self;
+    fn ceil(self) -> Self;
+    fn trunc(self) -> Self;
+    fn round(self) -> Self;
+    /// `b` if it is smaller, else `self`: GLSL 4.60 §8.3.
+    fn min(self, b: Self) -> Self;
+    /// `b` if it is larger, else `self`.
+    fn max(self, b: Self) -> Self;
+    /// The number an integer is made of: what comparisons go by.
+    fn whole(self) -> f64;
+    /// From 64-bit integers, rounded once.
+    fn sint(x: i64) -> Self;
+    fn uint(x: u64) -> Self;
+    /// What comparisons go by.
+    type By: Copy + PartialOrd;
+    fn by(self) -> Self::By;
+    fn is_infinite(self) -> bool;
+    /// Each bit, for telling whether lanes agree.
+    fn same(self, b: Self) -> bool;
+    /// Rounded to an `f16` where it is an `f32`.
+    fn half(self) -> Self;
+    /// A function by its name, which has an accuracy of its own.
+    #[inline(always)]
+    fn function1(self, _: F1, exact: impl Fn(f64) -> f64) -> Self {
+        self.lift1(exact)
+    }
+    /// The same of two operands.
+    #[inline(always)]
+    fn function2(self, _: F2, b: Self, exact: impl Fn(f64, f64) -> f64) -> Self {
+        self.lift2(b, exact)
+    }
+    /// Times itself.
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self.mul(self)
+    }
+    /// The sum of one to four terms, in their order or in any.
+    fn total(terms: &[Self]) -> Self {
+        terms[1..].iter().fold(terms[0], |sum, term| sum.add(*term))
+    }
+    /// A component over its vector's length, which is the root of the sum of squares, as a
+    /// language has it.
+    #[inline(always)]
+    fn over_length(self, length: Self, _squares: Self, _: Language) -> Self {
+        self.div(length)
+    }
+    /// The least and the greatest number a device may have in its place.
+    fn span(self) -> Option<[f64; 2]> {
+        None
+    }
+    /// Whether devices may compare differently.
+    fn unsure(self, _: Cmp, _: Self) -> bool {
+        false
+    }
+    /// Whether devices may make different integers of it.
+    fn unsure_whole(self) -> bool {
+        false
+    }
+}
+
+macro_rules! plain {
+    ($t:ty) => {
+        type By = $t;
+        #[inline(always)]
+        fn whole(self) -> f64 {
+            f64::from(self)
+        }
+        fn sint(x: i64) -> $t {
+            x as $t
+        }
+        fn uint(x: u64) -> $t {
+            x as $t
+        }
+        #[inline(always)]
+        fn by(self) -> $t {
+            self
+        }
+        fn is_infinite(self) -> bool {
+            <$t>::is_infinite(self)
+        }
+        #[inline(always)]
+        fn add(self, b: $t) -> $t {
+            self + b
+        }
+        #[inline(always)]
+        fn sub(self, b: $t) -> $t {
+            self - b
+        }
+        #[inline(always)]
+        fn mul(self, b: $t) -> $t {
+            self * b
+        }
+        #[inline(always)]
+        fn div(self, b: $t) -> $t {
+            self / b
+        }
+        #[inline(always)]
+        fn rem(self, b: $t) -> $t {
+            self % b
+        }
+        #[inline(always)]
+        fn neg(self) -> $t {
+            -self
+        }
+        #[inline(always)]
+        fn abs(self) -> $t {
+            <$t>::abs(self)
+        }
+        #[inline(always)]
+        fn sqrt(self) -> $t {
+            <$t>::sqrt(self)
+        }
+        #[inline(always)]
+        fn fma(self, b: $t, c: $t) -> $t {
+            self.mul_add(b, c)
+        }
+        #[inline(always)]
+        fn floor(self) -> $t {
+            <$t>::floor(self)
+        }
+        #[inline(always)]
+        fn ceil(self) -> $t {
+            <$t>::ceil(self)
+        }
+        #[inline(always)]
+        fn trunc(self) -> $t {
+            <$t>::trunc(self)
+        }
+        #[inline(always)]
+        fn round(self) -> $t {
+            self.round_ties_even()
+        }
+        #[inline(always)]
+        fn min(self, b: $t) -> $t {
+            if b < self { b } else { self }
+        }
+        #[inline(always)]
+        fn max(self, b: $t) -> $t {
+            if self < b { b } else { self }
+        }
+        #[inline(always)]
+        fn same(self, b: $t) -> bool {
+            self.to_bits() == b.to_bits()
+        }
+    };
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    fn narrow(x: f32) -> f32 {
+        x
+    }
+    #[inline(always)]
+    fn wide(x: f64) -> f32 {
+        x as f32
+    }
+    #[inline(always)]
+    fn single(self) -> f32 {
+        self
+    }
+    #[inline(always)]
+    fn double(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline(always)]
+    fn lift1(self, f: impl Fn(f64) -> f64) -> f32 {
+        f(f64::from(self)) as f32
+    }
+    #[inline(always)]
+    fn lift2(self, b: f32, f: impl Fn(f64, f64) -> f64) -> f32 {
+        f(f64::from(self), f64::from(b)) as f32
+    }
+    fn half(self) -> f32 {
+        half::f16::from_f32(self).to_f32()
+    }
+    plain!(f32);
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn narrow(x: f32) -> f64 {
+        f64::from(x)
+    }
+    #[inline(always)]
+    fn wide(x: f64) -> f64 {
+        x
+    }
+    #[inline(always)]
+    fn single(self) -> f32 {
+        self as f32
+    }
+    #[inline(always)]
+    fn double(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn lift1(self, f: impl Fn(f64) -> f64) -> f64 {
+        f(self)
+    }
+    #[inline(always)]
+    fn lift2(self, b: f64, f: impl Fn(f64, f64) -> f64) -> f64 {
+        f(self, b)
+    }
+    fn half(self) -> f64 {
+        self
+    }
+    plain!(f64);
+}
+
+/// Both at once: what a device gets, and what it should have got. Branches, comparisons
+/// and integers follow the `f32`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shadow {
+    pub single: f32,
+    pub double: f64,
+}
+
+macro_rules! both {
+    ($($name:ident($($b:ident),*);)*) => {$(
+        #[inline(always)]
+        fn $name(self $(, $b: Shadow)*) -> Shadow {
+            Shadow {
+                single: Real::$name(self.single $(, $b.single)*),
+                double: Real::$name(self.double $(, $b.double)*),
+            }
+        }
+    )*};
+}
+
+impl Real for Shadow {
+    fn narrow(x: f32) -> Shadow {
+        Shadow { single: x, double: f64::from(x) }
+    }
+    fn wide(x: f64) -> Shadow {
+        Shadow { single: x as f32, double: x }
+    }
+    fn single(self) -> f32 {
+        self.single
+    }
+    fn double(self) -> f64 {
+        self.double
+    }
+    fn lift1(self, f: impl Fn(f64) -> f64) -> Shadow {
+        Shadow { single: self.single.lift1(&f), double: f(self.double) }
+    }
+    fn lift2(self, b: Shadow, f: impl Fn(f64, f64) -> f64) -> Shadow {
+        Shadow { single: self.single.lift2(b.single, &f), double: f(self.double, b.double) }
+    }
+    both! {
+        add(b); sub(b); mul(b); div(b); rem(b); neg(); abs(); sqrt(); fma(b, c);
+        floor(); ceil(); trunc(); round(); min(b); max(b); half();
+    }
+    fn whole(self) -> f64 {
+        f64::from(self.single)
+    }
+    fn sint(x: i64) -> Shadow {
+        Shadow { single: x as f32, double: x as f64 }
+    }
+    fn uint(x: u64) -> Shadow {
+        Shadow { single: x as f32, double: x as f64 }
+    }
+    type By = f32;
+    fn by(self) -> f32 {
+        self.single
+    }
+    fn is_infinite(self) -> bool {
+        self.single.is_infinite()
+    }
+    fn same(self, b: Shadow) -> bool {
+        self.single.same(b.single) && self.double.same(b.double)
+    }
+}

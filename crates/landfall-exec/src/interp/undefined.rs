@@ -1,0 +1,136 @@
+//! Operations that no specification gives a value for, and where they happened.
+
+use std::fmt;
+
+use super::code::Origin;
+use super::program::Program;
+use landfall_layout::source::Span;
+
+/// A kind of operation without a defined value, or with one that surprises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[allow(missing_docs)]
+pub enum UndefinedKind {
+    DivisionByZero,
+    ZeroTimesInfinity,
+    RootOfNegative,
+    LogOfNonPositive,
+    PowOfNegative,
+    PowOfZero,
+    ArcOutOfRange,
+    AtanOfZeros,
+    NormalizeOfZero,
+    SmoothStepEdges,
+    ClampBounds,
+    IntegerDivisionByZero,
+    IntegerOverflow,
+    ShiftTooFar,
+    BitsOutOfRange,
+    ConversionOutOfRange,
+    IndexOutOfBounds,
+    PastEndOfBuffer,
+    Uninitialised,
+    NanFromBuffer,
+    SquaresTooLarge,
+    SquaresTooSmall,
+    BornNan,
+    BornInfinite,
+}
+
+impl UndefinedKind {
+    /// What happened, in a few words.
+    pub fn text(self) -> &'static str {
+        match self {
+            UndefinedKind::DivisionByZero => "division by zero",
+            UndefinedKind::ZeroTimesInfinity => "zero times infinity",
+            UndefinedKind::RootOfNegative => "root of a negative number",
+            UndefinedKind::LogOfNonPositive => "logarithm of zero or less",
+            UndefinedKind::PowOfNegative => "power of a negative number",
+            UndefinedKind::PowOfZero => "zero to the power of zero or less",
+            UndefinedKind::ArcOutOfRange => "inverse of a trigonometric function out of range",
+            UndefinedKind::AtanOfZeros => "angle of the point (0, 0)",
+            UndefinedKind::NormalizeOfZero => "normalised zero vector",
+            UndefinedKind::SmoothStepEdges => "smoothstep whose first edge is not the lower",
+            UndefinedKind::ClampBounds => "clamp whose lower bound is above its upper",
+            UndefinedKind::IntegerDivisionByZero => "integer division by zero",
+            UndefinedKind::IntegerOverflow => "integer division that overflows",
+            UndefinedKind::ShiftTooFar => "shift by the width or more",
+            UndefinedKind::BitsOutOfRange => "bit field past the end of the word",
+            UndefinedKind::ConversionOutOfRange => "conversion of a number out of range",
+            UndefinedKind::IndexOutOfBounds => "index out of bounds",
+            UndefinedKind::PastEndOfBuffer => "access past the end of the buffer",
+            UndefinedKind::Uninitialised => "variable read before anything is put into it",
+            UndefinedKind::NanFromBuffer => "the buffer holds NaN",
+            UndefinedKind::SquaresTooLarge => "length of a vector whose squares overflow",
+            UndefinedKind::SquaresTooSmall => "length of a vector whose squares underflow",
+            UndefinedKind::BornNan => "finite numbers gave NaN",
+            UndefinedKind::BornInfinite => "finite numbers gave infinity",
+        }
+    }
+}
+
+impl fmt::Display for UndefinedKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.text())
+    }
+}
+
+/// A place in a shader.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The function or entry point it is in.
+    pub function: String,
+    /// Its bytes in the module's files.
+    pub span: Span,
+    /// `file:line:column`; empty where the module has no text.
+    pub shown: String,
+}
+
+/// An operation without a defined value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Undefined {
+    /// What happened.
+    pub kind: UndefinedKind,
+    /// Where.
+    pub place: Place,
+    /// How often, over all invocations.
+    pub count: u64,
+    /// The operands it was seen with first.
+    pub operands: Vec<f64>,
+    /// Invocations it was seen in: the first few.
+    pub lanes: Vec<usize>,
+}
+
+/// Where `f32` and `f64` part for one invocation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Divergence {
+    /// The invocation.
+    pub lane: usize,
+    /// The operation.
+    pub place: Place,
+    /// What it gave in `f32`.
+    pub single: f32,
+    /// What it gave in `f64`.
+    pub double: f64,
+    /// Its operands in both.
+    pub operands: Vec<(f32, f64)>,
+}
+
+impl Program {
+    /// The place of an instruction.
+    pub(super) fn place(&self, origin: Origin) -> Place {
+        let function = self.functions.get(origin.function as usize);
+        let function = function.map_or_else(String::new, |f| f.name.clone());
+        let file = self.bases.iter().rposition(|&base| base <= origin.start).unwrap_or(0);
+        let base = self.bases.get(file).copied().unwrap_or(0);
+        let (start, end) = (origin.start - base, origin.end.saturating_sub(base));
+        let span = Span { file: file as u32, start, end };
+        let known = self.files.get(span.file).is_some() && origin.end > 0;
+        let shown = if known {
+            let at = self.files.locate(span);
+            format!("{}:{}:{}", at.path, at.line, at.column)
+        } else {
+            String::new()
+        };
+        Place { function, span, shown }
+    }
+}

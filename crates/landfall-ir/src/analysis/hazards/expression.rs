@@ -1,0 +1,236 @@
+//! Expressions to nodes; what is computed is shown to [`judge`](super::judge).
+
+use naga::{Expression, Handle, Literal, MathFunction as M};
+
+use super::graph::{Id, Op};
+use super::memory::{Step, Value};
+use super::walk::{Frame, Walk};
+use landfall_layout::source::Span;
+
+impl<'m> Walk<'m> {
+    /// The value of an expression, evaluated or not.
+    pub fn value(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Id {
+        match self.pointer(frame, handle) {
+            Value::Is(id) => id,
+            at @ Value::At(..) => self.load(&at, None),
+        }
+    }
+
+    /// The value of an expression, or the variable it points to.
+    pub fn pointer(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Value {
+        if let Some(value) = frame.values.get(&handle) {
+            return value.clone();
+        }
+        let value = self.evaluate(frame, handle);
+        // Pointers into variables are the same whenever they are asked for; values may not be.
+        if frame.function.expressions[handle].needs_pre_emit() {
+            frame.values.insert(handle, value.clone());
+        }
+        value
+    }
+
+    pub fn place(&self, frame: &Frame<'m>, handle: Handle<Expression>) -> Option<Span> {
+        self.module.locate(frame.function.expressions.get_span(handle))
+    }
+
+    pub fn literal(&mut self, literal: &Literal) -> Id {
+        let number = match *literal {
+            Literal::F64(v) | Literal::AbstractFloat(v) => v,
+            Literal::F32(v) => f64::from(v),
+            Literal::F16(v) => v.to_f64(),
+            Literal::U16(v) => f64::from(v),
+            Literal::I16(v) => f64::from(v),
+            Literal::U32(v) => f64::from(v),
+            Literal::I32(v) => f64::from(v),
+            Literal::U64(v) => v as f64,
+            Literal::I64(v) | Literal::AbstractInt(v) => v as f64,
+            Literal::Bool(v) => f64::from(u8::from(v)),
+        };
+        self.graph.number(number)
+    }
+
+    /// A value of those parts.
+    pub fn composed(&mut self, parts: &[Id]) -> Id {
+        match parts {
+            [first, rest @ ..]
+                if self.graph.value(*first).is_some() && rest.iter().all(|p| p == first) =>
+            {
+                *first
+            }
+            parts => self.graph.add(Op::Compose, parts),
+        }
+    }
+
+    pub fn evaluate(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Value {
+        let span = self.place(frame, handle);
+        let id = match &frame.function.expressions[handle] {
+            Expression::Literal(literal) => self.literal(literal),
+            Expression::Constant(constant) => self.constant(self.ir.constants[*constant].init),
+            Expression::Override(handle) => {
+                let (name, ty) = {
+                    let known = &self.ir.overrides[*handle];
+                    (known.name.clone().unwrap_or_default(), known.ty)
+                };
+                self.outside(&name, ty, super::graph::Origin::Other)
+            }
+            Expression::ZeroValue(_) => self.graph.number(0.0),
+            Expression::Compose { ty, components } => {
+                let parts: Vec<Id> =
+                    components.iter().map(|&part| self.value(frame, part)).collect();
+                let id = self.composed(&parts);
+                let wanted = match self.ir.types[*ty].inner {
+                    naga::TypeInner::Vector { size, .. } => size as usize,
+                    naga::TypeInner::Matrix { columns, .. } => columns as usize,
+                    _ => parts.len(),
+                };
+                if wanted == parts.len() {
+                    self.whole_parts.insert(id);
+                }
+                id
+            }
+            Expression::Splat { value, .. } => self.value(frame, *value),
+            Expression::Access { base, index } => {
+                let index = self.value(frame, *index);
+                match self.pointer(frame, *base) {
+                    Value::At(cell, mut steps) => {
+                        steps.push(Step::Element(index));
+                        return Value::At(cell, steps);
+                    }
+                    Value::Is(base) => self.element(base, index, span),
+                }
+            }
+            Expression::AccessIndex { base, index } => match self.pointer(frame, *base) {
+                Value::At(cell, mut steps) => {
+                    steps.push(Step::Part(*index));
+                    return Value::At(cell, steps);
+                }
+                Value::Is(base) => self.part(base, *index),
+            },
+            Expression::Swizzle { size, vector, pattern } => {
+                let of = self.value(frame, *vector);
+                if self.graph.value(of).is_some() {
+                    of
+                } else {
+                    let mut way = [u8::MAX; 4];
+                    for (to, from) in way.iter_mut().zip(pattern).take(*size as usize) {
+                        *to = *from as u8;
+                    }
+                    self.graph.add(Op::Swizzle(way), &[of])
+                }
+            }
+            Expression::FunctionArgument(number) => match frame.arguments.get(*number as usize) {
+                Some(value) => return value.clone(),
+                None => self.graph.opaque(&[]),
+            },
+            Expression::GlobalVariable(handle) => return self.global_value(*handle),
+            Expression::LocalVariable(handle) => {
+                return Value::At(frame.locals + handle.index(), Vec::new());
+            }
+            Expression::Load { pointer } => {
+                let from = self.pointer(frame, *pointer);
+                self.load(&from, span)
+            }
+            Expression::Unary { op, expr } => {
+                let of = self.value(frame, *expr);
+                match (op, self.graph.value(of)) {
+                    (naga::UnaryOperator::Negate, Some(number)) => self.graph.number(-number),
+                    (naga::UnaryOperator::Negate, None) => self.graph.add(Op::Negate, &[of]),
+                    (naga::UnaryOperator::LogicalNot, _) => self.graph.add(Op::Not, &[of]),
+                    (naga::UnaryOperator::BitwiseNot, _) => self.graph.opaque(&[of]),
+                }
+            }
+            Expression::Binary { op, left, right } => {
+                let (a, b) = (self.value(frame, *left), self.value(frame, *right));
+                let id = self.graph.add(Op::Binary(*op), &[a, b]);
+                if let Some(span) = span {
+                    self.look_at_binary(*op, a, b, id, span);
+                }
+                id
+            }
+            Expression::Select { condition, accept, reject } => {
+                let condition = self.value(frame, *condition);
+                let (yes, no) = (self.value(frame, *accept), self.value(frame, *reject));
+                self.selected(condition, yes, no)
+            }
+            Expression::Math { fun, arg, arg1, arg2, arg3 } => {
+                let given = [Some(*arg), *arg1, *arg2, *arg3];
+                let args: Vec<Id> =
+                    given.into_iter().flatten().map(|arg| self.value(frame, arg)).collect();
+                // `distance` is the length of a difference.
+                let id = match (fun, &args[..]) {
+                    (M::Distance, &[a, b]) => {
+                        let op = Op::Binary(naga::BinaryOperator::Subtract);
+                        let apart = self.graph.add(op, &[a, b]);
+                        self.graph.add(Op::Math(M::Length), &[apart])
+                    }
+                    _ => self.graph.add(Op::Math(*fun), &args),
+                };
+                if let Some(span) = span {
+                    let wide = self.is_four_wide(frame, *arg);
+                    self.look_at_math(*fun, &args, id, span, wide);
+                }
+                id
+            }
+            Expression::As { expr, .. } => {
+                let of = self.value(frame, *expr);
+                match self.graph.value(of) {
+                    Some(_) => of,
+                    None => self.graph.add(Op::Convert, &[of]),
+                }
+            }
+            Expression::Relational { fun, argument } => {
+                let of = self.value(frame, *argument);
+                match fun {
+                    naga::RelationalFunction::All | naga::RelationalFunction::Any => {
+                        self.graph.add(Op::Convert, &[of])
+                    }
+                    _ => self.graph.opaque(&[of]),
+                }
+            }
+            Expression::ArrayLength(array) => {
+                let of = self.value(frame, *array);
+                match self.graph.as_leaf(of).cloned() {
+                    Some(leaf) => {
+                        let (key, path) =
+                            (format!("{}.length()", leaf.key), format!("{}.length()", leaf.path));
+                        let light = None;
+                        self.graph.leaf(super::graph::Leaf { key, path, light, role: None, ..leaf })
+                    }
+                    None => self.graph.opaque(&[of]),
+                }
+            }
+            // Textures, derivatives, results of atomics: anything may come of them.
+            _ => self.graph.opaque(&[]),
+        };
+        Value::Is(id)
+    }
+
+    fn selected(&mut self, condition: Id, yes: Id, no: Id) -> Id {
+        let mark = self.mark();
+        self.assume(condition, true);
+        let when_true = self.facts(yes);
+        self.reconsider(yes);
+        self.forget(mark);
+        self.assume(condition, false);
+        let when_false = self.facts(no);
+        self.reconsider(no);
+        self.forget(mark);
+        let id = self.graph.add(Op::Chosen, &[condition, yes, no]);
+        self.settled.insert(id, when_true.or(when_false));
+        id
+    }
+
+    fn is_four_wide(&self, frame: &Frame<'m>, handle: Handle<Expression>) -> bool {
+        // Types of expressions are known after validation only; the node's shape tells instead.
+        match &frame.function.expressions[handle] {
+            Expression::Compose { ty, .. } => matches!(
+                self.ir.types[*ty].inner,
+                naga::TypeInner::Vector { size: naga::VectorSize::Quad, .. }
+            ),
+            Expression::Binary { op: naga::BinaryOperator::Multiply, left, right } => {
+                self.is_four_wide(frame, *left) || self.is_four_wide(frame, *right)
+            }
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! Values without numbers: each operation a node, equal ones the same node.
+//!
+//! Filled by [`walk`](super::walk); [`facts`](super::facts) and [`judge`](super::judge) read it.
+
+use naga::{BinaryOperator, MathFunction};
+use rustc_hash::FxHashMap;
+
+use crate::analysis::roles::Role;
+
+/// A node.
+pub type Id = u32;
+
+/// What a node is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Op {
+    /// A number, or a vector of it: its bits.
+    Number(u64),
+    /// Something from outside: its number among [`Graph::leaves`].
+    Leaf(u32),
+    /// The value of a variable that was never given one.
+    Undefined(u32),
+    /// A variable at the top of a loop that changes it; the argument is its value before.
+    Looping(u32),
+    /// One of its arguments.
+    Joined(u32),
+    /// The second argument if the first is true, else the third.
+    Chosen,
+    /// A member or component.
+    Part(u32),
+    /// An element by an index.
+    Element,
+    /// The first argument with its part replaced by the second.
+    Insert(u32),
+    Compose,
+    Swizzle([u8; 4]),
+    Negate,
+    Not,
+    Convert,
+    Binary(BinaryOperator),
+    Math(MathFunction),
+    /// Anything else: no two are equal.
+    Opaque(u32),
+}
+
+/// Where a leaf comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A block.
+    Block,
+    /// An input that is interpolated.
+    Interpolated,
+    /// Another input, an argument, an override.
+    Other,
+}
+
+/// Something from outside.
+#[derive(Clone, Debug)]
+pub struct Leaf {
+    /// The way to it from its block or input, elements by index nodes.
+    pub key: String,
+    /// The same with arrays as patterns, as messages show it.
+    pub path: String,
+    /// Its own name.
+    pub name: String,
+    pub ty: naga::Handle<naga::Type>,
+    pub origin: Origin,
+    /// The block's number in the module.
+    pub block: Option<usize>,
+    /// The light it belongs to, and the way from there.
+    pub light: Option<(usize, String)>,
+    pub role: Option<Role>,
+}
+
+#[derive(Clone, Debug)]
+pub struct Node {
+    pub op: Op,
+    pub args: Vec<Id>,
+}
+
+/// All nodes.
+#[derive(Debug, Default)]
+pub struct Graph {
+    pub nodes: Vec<Node>,
+    pub leaves: Vec<Leaf>,
+    known: FxHashMap<(Op, Vec<Id>), Id>,
+    leaf_keys: FxHashMap<String, u32>,
+    fresh: u32,
+}
+
+impl Graph {
+    pub fn add(&mut self, op: Op, args: &[Id]) -> Id {
+        let key = (op, args.to_vec());
+        if let Some(&id) = self.known.get(&key) {
+            return id;
+        }
+        let id = self.nodes.len() as Id;
+        self.nodes.push(Node { op, args: args.to_vec() });
+        self.known.insert(key, id);
+        id
+    }
+
+    pub fn number(&mut self, value: f64) -> Id {
+        // -0 is 0 to every test here.
+        let value = if value == 0.0 { 0.0f64 } else { value };
+        self.add(Op::Number(value.to_bits()), &[])
+    }
+
+    pub fn next(&mut self) -> u32 {
+        self.fresh += 1;
+        self.fresh
+    }
+
+    pub fn opaque(&mut self, args: &[Id]) -> Id {
+        let fresh = self.next();
+        self.add(Op::Opaque(fresh), args)
+    }
+
+    pub fn leaf(&mut self, leaf: Leaf) -> Id {
+        let number = match self.leaf_keys.get(&leaf.key) {
+            Some(&number) => number,
+            None => {
+                let number = self.leaves.len() as u32;
+                self.leaf_keys.insert(leaf.key.clone(), number);
+                self.leaves.push(leaf);
+                number
+            }
+        };
+        self.add(Op::Leaf(number), &[])
+    }
+
+    pub fn op(&self, id: Id) -> Op {
+        self.nodes[id as usize].op
+    }
+
+    pub fn args(&self, id: Id) -> &[Id] {
+        &self.nodes[id as usize].args
+    }
+
+    pub fn value(&self, id: Id) -> Option<f64> {
+        match self.op(id) {
+            Op::Number(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    pub fn as_leaf(&self, id: Id) -> Option<&Leaf> {
+        match self.op(id) {
+            Op::Leaf(number) => Some(&self.leaves[number as usize]),
+            _ => None,
+        }
+    }
+
+    pub fn is_math(&self, id: Id, fun: MathFunction) -> bool {
+        self.op(id) == Op::Math(fun)
+    }
+
+    /// The operands of such an operation.
+    pub fn binary(&self, id: Id, op: BinaryOperator) -> Option<(Id, Id)> {
+        match (self.op(id), self.args(id)) {
+            (Op::Binary(own), &[a, b]) if own == op => Some((a, b)),
+            _ => None,
+        }
+    }
+
+    /// What a value is made of without being computed: through parts, signs and conversions.
+    pub fn bare(&self, mut id: Id) -> Id {
+        loop {
+            id = match (self.op(id), self.args(id)) {
+                (Op::Part(_) | Op::Swizzle(_) | Op::Negate | Op::Convert, &[of]) => of,
+                // `.xyz` of a block's vector, component by component.
+                (Op::Compose, args) if !args.is_empty() => {
+                    let mut inner = args.iter().map(|&arg| match (self.op(arg), self.args(arg)) {
+                        (Op::Part(_), &[of]) => Some(of),
+                        _ => None,
+                    });
+                    match inner.next().flatten() {
+                        Some(first) if inner.all(|other| other == Some(first)) => first,
+                        _ => return id,
+                    }
+                }
+                _ => return id,
+            };
+        }
+    }
+
+    /// The leaf a value is, or is a part of.
+    pub fn bare_leaf(&self, id: Id) -> Option<&Leaf> {
+        self.as_leaf(self.bare(id))
+    }
+
+    /// Whether something below, itself included, is so; so many nodes are looked at.
+    pub fn contains(&self, id: Id, is: &mut dyn FnMut(Id) -> bool) -> bool {
+        let mut left = 400;
+        let mut seen = rustc_hash::FxHashSet::default();
+        let mut todo = vec![id];
+        while let Some(id) = todo.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            if is(id) {
+                return true;
+            }
+            left -= 1;
+            if left == 0 {
+                return false;
+            }
+            todo.extend(self.args(id));
+        }
+        false
+    }
+
+    /// The leaf of such a role below.
+    pub fn leaf_below(&self, id: Id, wanted: &dyn Fn(&Leaf) -> bool) -> Option<&Leaf> {
+        let mut found = None;
+        self.contains(id, &mut |id| match self.as_leaf(id) {
+            Some(leaf) if wanted(leaf) => {
+                found = Some(id);
+                true
+            }
+            _ => false,
+        });
+        found.and_then(|id| self.as_leaf(id))
+    }
+}

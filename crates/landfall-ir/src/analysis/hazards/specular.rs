@@ -1,0 +1,134 @@
+//! Highlights on the far side of a surface: powers that nothing about the light's side gates.
+//!
+//! Powers are noted when they are met; what they are multiplied with is known at the end.
+
+use naga::{BinaryOperator as B, MathFunction as M};
+
+use super::graph::{Id, Op};
+use super::judge::Candidate;
+use super::walk::Walk;
+use super::{Certainty, Hazard, Kind};
+use landfall_layout::source::Span;
+
+/// Values above a power that are looked at.
+const MOST_ABOVE: usize = 400;
+
+/// A highlight.
+#[derive(Clone, Copy, Debug)]
+pub struct Power {
+    node: Id,
+    base: Id,
+    normal: Id,
+    span: Span,
+    /// Whether a condition about the light's side holds around it.
+    gated: bool,
+}
+
+impl Walk<'_> {
+    pub fn note_power(&mut self, base: Id, node: Id, span: Span) {
+        let Some(normal) = self.normal_of_highlight(base) else { return };
+        let gated = self.assumed.iter().any(|(id, facts)| {
+            (facts.low >= 0.0 || facts.nonzero) && self.speaks_of_side(*id, normal, base)
+        });
+        self.powers.push(Power { node, base, normal, span, gated });
+    }
+
+    /// The normal of `dot(v, reflect(-l, n))` or `dot(n, normalize(l + v))`.
+    fn normal_of_highlight(&self, base: Id) -> Option<Id> {
+        let mut found = None;
+        self.graph.contains(base, &mut |id| {
+            let &[a, b] = self.graph.args(id) else { return false };
+            if !self.graph.is_math(id, M::Dot) || a == b {
+                return false;
+            }
+            for (x, other) in [(a, b), (b, a)] {
+                let mut mirrored = x;
+                if self.graph.is_math(mirrored, M::Normalize) {
+                    mirrored = self.graph.args(mirrored)[0];
+                }
+                if self.graph.is_math(mirrored, M::Reflect) {
+                    found = self.graph.args(mirrored).get(1).copied();
+                } else if let Some((l, v)) = self.graph.binary(mirrored, B::Add) {
+                    // With one of the two it is half of, it is Fresnel's term and no highlight.
+                    if mirrored != x && other != l && other != v {
+                        found = Some(other);
+                    }
+                }
+            }
+            found.is_some()
+        });
+        found
+    }
+
+    /// Whether it is made of the normal's cosine with something else than the highlight's.
+    fn speaks_of_side(&self, id: Id, normal: Id, base: Id) -> bool {
+        self.graph.contains(id, &mut |id| {
+            self.graph.is_math(id, M::Dot)
+                && self.graph.args(id).contains(&normal)
+                && !self.graph.contains(base, &mut |below| below == id)
+        })
+    }
+
+    pub fn look_at_specular(&mut self) {
+        if self.powers.is_empty() {
+            return;
+        }
+        let mut above: Vec<Vec<Id>> = vec![Vec::new(); self.graph.nodes.len()];
+        for (id, node) in self.graph.nodes.iter().enumerate() {
+            for &arg in &node.args {
+                above[arg as usize].push(id as Id);
+            }
+        }
+        for power in std::mem::take(&mut self.powers) {
+            if power.gated || self.is_multiplied(&above, &power) {
+                continue;
+            }
+            let (kind, id) = (Kind::UngatedSpecular, "H13");
+            let (certainty, span) = (Certainty::Possible, power.span);
+            let hazard = Hazard { kind, id, certainty, span, about: String::new(), number: None };
+            self.candidates.push(Candidate::plain(hazard));
+        }
+    }
+
+    /// Whether the highlight is multiplied with something of the light's side on its way out.
+    fn is_multiplied(&self, above: &[Vec<Id>], power: &Power) -> bool {
+        let mut todo = vec![power.node];
+        let mut seen = 0;
+        while let Some(id) = todo.pop() {
+            for &user in &above[id as usize] {
+                seen += 1;
+                if seen > MOST_ABOVE {
+                    return false;
+                }
+                match (self.graph.op(user), self.graph.args(user)) {
+                    (Op::Binary(B::Multiply), &[a, b]) => {
+                        let other = if a == id { b } else { a };
+                        if self.speaks_of_side(other, power.normal, power.base) {
+                            return true;
+                        }
+                        todo.push(user);
+                    }
+                    (Op::Chosen, &[condition, ..]) => {
+                        if self.speaks_of_side(condition, power.normal, power.base) {
+                            return true;
+                        }
+                        todo.push(user);
+                    }
+                    // What it is added to is multiplied with it.
+                    (
+                        Op::Binary(B::Add | B::Subtract)
+                        | Op::Joined(_)
+                        | Op::Part(_)
+                        | Op::Compose
+                        | Op::Swizzle(_),
+                        _,
+                    ) => {
+                        todo.push(user);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        false
+    }
+}

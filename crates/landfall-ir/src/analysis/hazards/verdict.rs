@@ -1,0 +1,89 @@
+//! What is known at the end only: how arrays of lights are looped over, and all there is to say,
+//! each place once.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::graph::{Id, Leaf};
+use super::judge::Candidate;
+use super::walk::Walk;
+use super::{Access, Bound, Certainty, Found, Hazard, Kind};
+use crate::analysis::roles::Role;
+use landfall_layout::source::Span;
+
+impl Walk<'_> {
+    /// All that was found, each place once.
+    pub fn judged(mut self) -> Found {
+        self.look_at_specular();
+        self.look_at_accesses();
+        let cut_short = self.is_cut_short();
+        let mut hazards: Vec<Hazard> = Vec::new();
+        let mut places: FxHashMap<(Kind, Span), usize> = FxHashMap::default();
+        for Candidate { hazard, .. } in std::mem::take(&mut self.candidates) {
+            let next = hazards.len();
+            let at = *places.entry((hazard.kind, hazard.span)).or_insert(next);
+            match hazards.get_mut(at) {
+                Some(known) => known.certainty = known.certainty.max(hazard.certainty),
+                None => hazards.push(hazard),
+            }
+        }
+        hazards.sort_by_key(|h| (h.span.file, h.span.start, h.span.end, h.kind));
+        let mut seen = FxHashSet::default();
+        let accesses: Vec<Access> = self.accesses.into_iter().map(|(_, access)| access).collect();
+        let mut accesses = accesses;
+        accesses.retain(|access| seen.insert((access.light, access.span)));
+        Found { hazards, accesses, cut_short }
+    }
+
+    fn look_at_accesses(&mut self) {
+        // One loop reads several members.
+        let mut seen = FxHashSet::default();
+        let mut accesses: Vec<(Id, Access)> = self.accesses.clone();
+        accesses.retain(|(index, access)| seen.insert((*index, access.light)));
+        let accesses: Vec<Access> = accesses.into_iter().map(|(_, access)| access).collect();
+        for access in &accesses {
+            let light = &self.lights[access.light];
+            let about = light.path.clone();
+            let (Some(slots), Some(count)) = (light.slots(), &light.count) else { continue };
+            let counted = accesses.iter().any(|other| {
+                other.light == access.light
+                    && matches!(other.bound, Bound::Count | Bound::ClampedCount)
+            });
+            let name = format!("{about} {}", count.member.name);
+            match access.bound {
+                Bound::Constant(n) if !counted && n > 1 => {
+                    // A slot that is switched off may be multiplied away.
+                    let switched = |leaf: &Leaf| {
+                        leaf.light.as_ref().is_some_and(|(own, _)| *own == access.light)
+                            && matches!(leaf.role, Some(Role::Enabled | Role::Intensity))
+                    };
+                    let sure = match self.graph.leaves.iter().any(switched) {
+                        true => Certainty::Possible,
+                        false => Certainty::Likely,
+                    };
+                    let found = self.report(Kind::LoopPastCount, "H3b", sure, access.span, name);
+                    found.hazard.number = Some(n as f64);
+                }
+                Bound::Count => {
+                    let kind = Kind::UnclampedCount;
+                    let found = self.report(kind, "H23", Certainty::Possible, access.span, name);
+                    found.hazard.number = Some(slots as f64);
+                }
+                Bound::Constant(_)
+                | Bound::Fixed(_)
+                | Bound::ClampedCount
+                | Bound::Length
+                | Bound::Unknown => {}
+            }
+        }
+        for leaf in self.graph.leaves.clone() {
+            let (Some((light, _)), Some(Role::Ambient)) = (&leaf.light, leaf.role) else {
+                continue;
+            };
+            let light = &self.lights[*light];
+            let several = light.slots().is_none_or(|slots| slots > 1) && !light.dims.is_empty();
+            let Some(part) = light.roles.part(Role::Ambient).filter(|_| several) else { continue };
+            let (span, about) = (part.span, light.full_path(part));
+            self.report(Kind::AmbientPerLight, "H20", Certainty::Possible, span, about);
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! Statements one after the other, calls inlined; [`control`](super::control) has branches and
+//! loops.
+
+use naga::{AddressSpace, Block, Expression, Function, Handle, Statement};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::facts::Facts;
+use super::graph::{Graph, Id, Op, Origin};
+use super::judge::Candidate;
+use super::memory::Value;
+use super::specular::Power;
+use super::{Access, Found, Setting};
+use crate::analysis::roles::Held;
+use crate::{Module, reach};
+use landfall_layout::source::Language;
+
+/// Expressions a shader may come to, calls inlined and loops run twice.
+const MOST_STEPS: u32 = 400_000;
+
+/// Calls one inside the other.
+const DEEPEST_CALL: u32 = 64;
+
+/// A walk through a module.
+pub struct Walk<'m> {
+    pub module: &'m Module,
+    pub ir: &'m naga::Module,
+    pub lights: &'m [Held<'m>],
+    pub setting: Setting,
+    pub in_fragment: bool,
+    pub graph: Graph,
+    /// What conditions say of values, in the order they were met.
+    pub assumed: Vec<(Id, Facts)>,
+    /// The first is not above the second.
+    pub relations: Vec<(Id, Id)>,
+    /// Facts of joined values, from where they were joined.
+    pub settled: FxHashMap<Id, Facts>,
+    /// What variables hold.
+    pub cells: Vec<Id>,
+    /// Compositions whose arguments are their parts one by one.
+    pub whole_parts: FxHashSet<Id>,
+    pub candidates: Vec<Candidate>,
+    /// Accesses to arrays of lights, and the index of each.
+    pub accesses: Vec<(Id, Access)>,
+    pub powers: Vec<Power>,
+    globals: FxHashMap<Handle<naga::GlobalVariable>, Value>,
+    constants: FxHashMap<Handle<Expression>, Id>,
+    /// What variables hold where a loop is left or gone on with.
+    pub left: Vec<Vec<Id>>,
+    steps: u32,
+    depth: u32,
+}
+
+/// A function that is being run.
+pub struct Frame<'m> {
+    pub function: &'m Function,
+    pub values: FxHashMap<Handle<Expression>, Value>,
+    pub arguments: Vec<Value>,
+    /// Where its variables begin.
+    pub locals: usize,
+    returns: Vec<(Id, Facts)>,
+}
+
+/// How a block ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    Falls,
+    /// By a `break`, which a `switch` takes too.
+    Breaks,
+    Leaves,
+}
+
+/// Follows every entry point, or without one every function that no other calls.
+pub fn follow(module: &Module, lights: &[Held<'_>], setting: Setting) -> Found {
+    let mut walk = Walk {
+        module,
+        ir: &module.ir,
+        lights,
+        setting,
+        in_fragment: setting.fragment,
+        graph: Graph::default(),
+        assumed: Vec::new(),
+        relations: Vec::new(),
+        settled: FxHashMap::default(),
+        cells: Vec::new(),
+        whole_parts: FxHashSet::default(),
+        candidates: Vec::new(),
+        accesses: Vec::new(),
+        powers: Vec::new(),
+        globals: FxHashMap::default(),
+        constants: FxHashMap::default(),
+        left: Vec::new(),
+        steps: 0,
+        depth: 0,
+    };
+    for entry in &walk.ir.entry_points {
+        walk.in_fragment = entry.stage == naga::ShaderStage::Fragment;
+        walk.root(&entry.function, true);
+    }
+    if walk.ir.entry_points.is_empty() {
+        let functions = walk.ir.functions.iter();
+        let called: FxHashSet<Handle<Function>> =
+            functions.flat_map(|(_, function)| reach::calls(function)).collect();
+        for (handle, function) in walk.ir.functions.iter() {
+            if !called.contains(&handle) {
+                walk.root(function, false);
+            }
+        }
+    }
+    walk.judged()
+}
+
+impl<'m> Walk<'m> {
+    pub fn is_cut_short(&self) -> bool {
+        self.steps > MOST_STEPS
+    }
+
+    fn root(&mut self, function: &'m Function, is_entry: bool) {
+        self.cells.clear();
+        self.assumed.clear();
+        self.relations.clear();
+        self.globals.clear();
+        for (handle, variable) in self.ir.global_variables.iter() {
+            let value = self.global(handle, variable, is_entry);
+            self.globals.insert(handle, value);
+        }
+        let mut arguments = Vec::new();
+        for argument in &function.arguments {
+            let name = argument.name.clone().unwrap_or_default();
+            let origin = argument.binding.as_ref().map_or(Origin::Other, |b| self.origin(b));
+            let value = match self.ir.types[argument.ty].inner {
+                naga::TypeInner::Pointer { base, .. } => {
+                    let id = self.outside(&name, base, Origin::Other);
+                    self.cells.push(id);
+                    Value::At(self.cells.len() - 1, Vec::new())
+                }
+                _ => Value::Is(self.outside(&name, argument.ty, origin)),
+            };
+            arguments.push(value);
+        }
+        self.call(function, arguments);
+    }
+
+    fn global(
+        &mut self,
+        handle: Handle<naga::GlobalVariable>,
+        variable: &'m naga::GlobalVariable,
+        is_entry: bool,
+    ) -> Value {
+        let name = variable.name.clone().unwrap_or_default();
+        let own = matches!(variable.space, AddressSpace::Private | AddressSpace::WorkGroup);
+        if !own {
+            let block = self.module.blocks.iter().position(|block| block.variable == handle);
+            let fresh = self.graph.next();
+            let path = if block.is_some() { String::new() } else { name.clone() };
+            let leaf = super::graph::Leaf {
+                // Blocks are the same for every entry point.
+                key: format!("{name}@{}", block.map_or(fresh, |block| block as u32)),
+                path,
+                name,
+                ty: variable.ty,
+                origin: Origin::Block,
+                block,
+                light: None,
+                role: None,
+            };
+            return Value::Is(self.leaf(leaf));
+        }
+        let id = match (variable.init, variable.space) {
+            (Some(init), _) => self.constant(init),
+            (None, AddressSpace::Private) if self.setting.language == Language::Wgsl => {
+                self.graph.number(0.0)
+            }
+            (None, AddressSpace::Private) if is_entry => {
+                let fresh = self.graph.next();
+                self.graph.add(Op::Undefined(fresh), &[])
+            }
+            (None, _) => self.outside(&name, variable.ty, Origin::Other),
+        };
+        self.cells.push(id);
+        Value::At(self.cells.len() - 1, Vec::new())
+    }
+
+    pub fn global_value(&self, handle: Handle<naga::GlobalVariable>) -> Value {
+        self.globals[&handle].clone()
+    }
+
+    /// The value of an expression of the module's own.
+    pub fn constant(&mut self, handle: Handle<Expression>) -> Id {
+        if let Some(&id) = self.constants.get(&handle) {
+            return id;
+        }
+        let id = match &self.ir.global_expressions[handle] {
+            Expression::Literal(literal) => self.literal(literal),
+            Expression::Constant(constant) => self.constant(self.ir.constants[*constant].init),
+            Expression::Splat { value, .. } => self.constant(*value),
+            Expression::ZeroValue(_) => self.graph.number(0.0),
+            Expression::Compose { components, .. } => {
+                let parts: Vec<Id> = components.iter().map(|&part| self.constant(part)).collect();
+                self.composed(&parts)
+            }
+            Expression::Unary { op: naga::UnaryOperator::Negate, expr } => {
+                let of = self.constant(*expr);
+                match self.graph.value(of) {
+                    Some(number) => self.graph.number(-number),
+                    None => self.graph.add(Op::Negate, &[of]),
+                }
+            }
+            _ => self.graph.opaque(&[]),
+        };
+        self.constants.insert(handle, id);
+        id
+    }
+
+    /// Runs a function; what it gives back.
+    pub fn call(&mut self, function: &'m Function, arguments: Vec<Value>) -> Option<Id> {
+        if self.depth > DEEPEST_CALL || self.is_cut_short() {
+            return None;
+        }
+        self.depth += 1;
+        let (locals, mark) = (self.cells.len(), self.mark());
+        for (_, variable) in function.local_variables.iter() {
+            let id = match (variable.init, self.setting.language) {
+                // Initialisers are constants of the function; their value is read when it is used.
+                (Some(_), _) => self.graph.opaque(&[]),
+                (None, Language::Wgsl) => self.graph.number(0.0),
+                (None, Language::Glsl) => {
+                    let fresh = self.graph.next();
+                    self.graph.add(Op::Undefined(fresh), &[])
+                }
+            };
+            self.cells.push(id);
+        }
+        let values = FxHashMap::default();
+        let mut frame = Frame { function, values, arguments, locals, returns: Vec::new() };
+        for (number, (_, variable)) in function.local_variables.iter().enumerate() {
+            if let Some(init) = variable.init {
+                let value = self.value(&mut frame, init);
+                self.cells[locals + number] = value;
+            }
+        }
+        self.block(&mut frame, &function.body);
+        self.forget(mark);
+        self.cells.truncate(locals);
+        self.depth -= 1;
+        match &frame.returns[..] {
+            [] => None,
+            [(value, _)] => Some(*value),
+            several => {
+                let values: Vec<Id> = several.iter().map(|(value, _)| *value).collect();
+                let facts = several.iter().map(|(_, facts)| *facts).reduce(Facts::or);
+                let joined = self.joined(&values);
+                self.settled.insert(joined, facts.unwrap_or(Facts::NOTHING));
+                Some(joined)
+            }
+        }
+    }
+
+    /// One of those values.
+    pub fn joined(&mut self, values: &[Id]) -> Id {
+        match values {
+            [first, rest @ ..] if rest.iter().all(|other| other == first) => *first,
+            values => {
+                let fresh = self.graph.next();
+                self.graph.add(Op::Joined(fresh), values)
+            }
+        }
+    }
+
+    pub fn block(&mut self, frame: &mut Frame<'m>, block: &'m Block) -> Flow {
+        let mark = self.mark();
+        let mut flow = Flow::Falls;
+        for statement in block {
+            if self.is_cut_short() {
+                break;
+            }
+            flow = self.statement(frame, statement);
+            if flow != Flow::Falls {
+                break;
+            }
+        }
+        self.forget(mark);
+        flow
+    }
+
+    fn statement(&mut self, frame: &mut Frame<'m>, statement: &'m Statement) -> Flow {
+        self.steps += 1;
+        match statement {
+            Statement::Emit(range) => {
+                for handle in range.clone() {
+                    self.steps += 1;
+                    let value = self.evaluate(frame, handle);
+                    frame.values.insert(handle, value);
+                }
+            }
+            Statement::Block(inner) => return self.block(frame, inner),
+            Statement::If { condition, accept, reject } => {
+                let condition = self.value(frame, *condition);
+                return self.branches(frame, condition, accept, reject);
+            }
+            Statement::Switch { selector, cases } => {
+                self.value(frame, *selector);
+                return self.switch(frame, cases);
+            }
+            Statement::Loop { body, continuing, break_if } => {
+                self.run_loop(frame, body, continuing, *break_if);
+            }
+            Statement::Break | Statement::Continue => {
+                self.left.push(self.cells.clone());
+                let breaks = matches!(statement, Statement::Break);
+                return if breaks { Flow::Breaks } else { Flow::Leaves };
+            }
+            Statement::Return { value } => {
+                if let Some(value) = value {
+                    let id = self.value(frame, *value);
+                    let facts = self.facts(id);
+                    frame.returns.push((id, facts));
+                }
+                return Flow::Leaves;
+            }
+            Statement::Kill => return Flow::Leaves,
+            Statement::Store { pointer, value } => {
+                let to = self.pointer(frame, *pointer);
+                let span = self.place(frame, *value);
+                let value = self.value(frame, *value);
+                self.look_at_store(frame, &to, value, span);
+                self.store(&to, value);
+            }
+            Statement::Call { function, arguments, result } => {
+                let given = arguments.iter().map(|&argument| self.pointer(frame, argument));
+                let given: Vec<Value> = given.collect();
+                let returned = self.call(&self.ir.functions[*function], given);
+                if let Some(result) = result {
+                    let id = returned.unwrap_or_else(|| self.graph.opaque(&[]));
+                    frame.values.insert(*result, Value::Is(id));
+                }
+            }
+            // The rest has results that nothing is known of, or none.
+            _ => {}
+        }
+        Flow::Falls
+    }
+}

@@ -1,0 +1,80 @@
+//! The member that says how many slots of an array of lights are in use.
+
+use super::names::is_light;
+use super::{Count, Held};
+use crate::analysis::words::words;
+use landfall_layout::layout::{BlockLayout, MemberLayout};
+use landfall_layout::shape::{ScalarKind, Type};
+
+/// A whole number whose name speaks of a count, and the words of it.
+pub(super) struct Candidate<'a> {
+    count: Count<'a>,
+    said: Vec<String>,
+}
+
+/// Every member of blocks that may count something.
+pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<Candidate<'_>> {
+    let mut all = Vec::new();
+    for block in blocks {
+        for member in block.members.iter().filter(|m| is_whole_number(m)) {
+            let said = words(&member.name);
+            if says_count(&said) && all.len() < MOST_COUNTS {
+                all.push(Candidate { count: Count { block, member }, said });
+            }
+        }
+    }
+    all
+}
+
+/// Counts of one shader that are looked at.
+const MOST_COUNTS: usize = 256;
+
+/// The count of an array of lights: beside it, or in another block if its name speaks of them.
+pub(super) fn count_of<'a>(light: &Held<'a>, counts: &[Candidate<'a>]) -> Option<Count<'a>> {
+    if light.dims.is_empty() {
+        return None;
+    }
+    let own = [light.roles.name.as_ref(), &light.path, light.block.name.as_ref()].map(words);
+    let is_own = |word: &String| own.iter().flatten().any(|o| same_word(o, word));
+    let kinds = ["point", "spot", "directional", "dir", "area"];
+    let mut best: Option<(usize, Count<'a>)> = None;
+    for Candidate { count, said } in counts {
+        // `numSpotLights` does not count point lights.
+        if said.iter().any(|word| kinds.contains(&word.as_str()) && !is_own(word)) {
+            continue;
+        }
+        let beside = std::ptr::eq(count.block, light.block);
+        let of_lights = is_light(said);
+        let shared = said.iter().filter(|word| is_own(word)).count();
+        if !beside && !of_lights && shared == 0 {
+            continue;
+        }
+        let score = 4 * usize::from(beside) + 2 * shared + usize::from(of_lights);
+        if best.as_ref().is_none_or(|(known, _)| *known < score) {
+            best = Some((score, *count));
+        }
+    }
+    best.map(|(_, count)| count)
+}
+
+fn is_whole_number(member: &MemberLayout) -> bool {
+    match &member.ty {
+        Type::Scalar(scalar) => matches!(scalar.kind, ScalarKind::Sint | ScalarKind::Uint),
+        Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Struct(_)
+        | Type::Array { .. } => false,
+    }
+}
+
+fn says_count(said: &[String]) -> bool {
+    let count = ["count", "num", "nr", "number", "amount", "used", "total", "length", "len", "n"];
+    said.iter().any(|word| count.contains(&word.as_str()))
+}
+
+/// The same word, in singular or plural.
+fn same_word(a: &str, b: &str) -> bool {
+    a.trim_end_matches('s') == b.trim_end_matches('s')
+}

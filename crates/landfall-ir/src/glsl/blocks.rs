@@ -1,0 +1,241 @@
+//! Blocks: uniform, buffer and push-constant blocks, the block of loose uniforms, and the
+//! interface blocks between stages.
+//!
+//! The other half of [`globals`](super::globals).
+
+use std::rc::Rc;
+
+use naga::StorageAccess;
+
+use super::ast::*;
+use super::globals::{Global, Memory};
+use super::host::{Misfit, Purpose};
+use super::io::Io;
+use super::types::{Field, Kind, Structure, Ty};
+use super::{Help, Lowerer, R, refuse};
+use crate::module::ModuleBlock;
+use landfall_layout::shape::{AddressSpace, Type};
+
+/// Elements of an array of blocks at most: each is a buffer of its own.
+const MOST_BLOCKS: u32 = 256;
+
+impl<'a> Lowerer<'a> {
+    /// The type of values of a member that has a layout.
+    pub fn value_type(&self, ty: &Type) -> Option<Ty> {
+        Some(match ty {
+            Type::Scalar(scalar) => Ty::Scalar(Kind::of(*scalar)?),
+            Type::Vector { scalar, rows } => Ty::Vector(Kind::of(*scalar)?, *rows),
+            Type::Matrix { scalar, columns, rows } => {
+                Ty::Matrix(Kind::of(*scalar)?, *columns, *rows)
+            }
+            Type::Struct(s) => Ty::Struct(self.structure_of(s)?),
+            Type::Array { element, len } => {
+                let len = match len {
+                    landfall_layout::ArrayLen::Fixed(len) => Some(*len),
+                    landfall_layout::ArrayLen::Runtime => None,
+                    landfall_layout::ArrayLen::Override(_) => return None,
+                };
+                Ty::Array(Rc::new(self.value_type(element)?), len)
+            }
+            Type::Atomic(_) | Type::Address(_) => return None,
+        })
+    }
+
+    pub fn default_block(&mut self, name: Name<'a>) -> R<usize> {
+        if let Some(index) = self.blocks.iter().position(|b| &*b.layout.name == "DefaultBlock") {
+            return Ok(self.block_memory[index]);
+        }
+        let found = self.layouts.iter().find(|l| &*l.name == "DefaultBlock");
+        let Some(layout) = found.cloned() else {
+            return Err(refuse(name.span, format!("`{}` has no layout", name.text)));
+        };
+        let mut members = Vec::new();
+        for member in &layout.members {
+            let Some(ty) = self.value_type(&member.ty) else {
+                return Err(refuse(member.span, format!("`{}` cannot be gathered", member.name)));
+            };
+            members.push(Field { name: member.name.to_string(), ty });
+        }
+        let structure = self.new_structure("DefaultBlock", members);
+        self.make_memory(layout, structure, None, true)
+    }
+
+    pub fn block(&mut self, block: &BlockDecl<'a>) -> R<()> {
+        let qualifiers = &block.qualifiers;
+        let span = block.name.span;
+        if matches!(qualifiers.storage, Storage::In | Storage::Out) {
+            return self.interface_block(block);
+        }
+        if qualifiers.storage == Storage::Foreign {
+            let message = format!("block `{}` is of a stage that cannot run", block.name.text);
+            return Err(refuse(span, message));
+        }
+        let found = self.layouts.iter().find(|layout| layout.span == span);
+        let Some(layout) = found.cloned() else {
+            return Err(refuse(span, format!("block `{}` has no layout", block.name.text)));
+        };
+        let mut members = Vec::new();
+        for member in &layout.members {
+            let Some(ty) = self.value_type(&member.ty) else {
+                let message = format!(
+                    "`{}` is a `{}`, which naga has no counterpart for",
+                    member.name,
+                    member.ty.spelled(landfall_layout::Language::Glsl)
+                );
+                return Err(refuse(member.span, message));
+            };
+            members.push(Field { name: member.name.to_string(), ty });
+        }
+        let structure = self.new_structure(block.name.text, members);
+        let readonly =
+            qualifiers.readonly || block.members.iter().all(|member| member.qualifiers.readonly);
+        let memory = self.make_memory(layout, structure.clone(), Some(block), !readonly)?;
+        match &block.instance {
+            Some(instance) => self.declare_global(instance.text, Global::Block(memory)),
+            None => {
+                let names = block.members.iter().flat_map(|m| &m.names).map(|n| n.name.text);
+                let names: Vec<&'a str> = names.collect();
+                for (name, field) in names.into_iter().zip(&structure.members) {
+                    let ty = field.ty.clone();
+                    self.declare_global(name, Global::Member { memory: Some(memory), ty });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The variables of a block, and how they are reached.
+    pub fn make_memory(
+        &mut self,
+        layout: landfall_layout::BlockLayout,
+        structure: Rc<Structure>,
+        block: Option<&BlockDecl<'a>>,
+        writable: bool,
+    ) -> R<usize> {
+        let span = layout.span;
+        let access =
+            if writable { StorageAccess::LOAD | StorageAccess::STORE } else { StorageAccess::LOAD };
+        let (space, purpose) = match layout.space {
+            AddressSpace::Uniform | AddressSpace::Default => {
+                (naga::AddressSpace::Uniform, Purpose::Uniform)
+            }
+            AddressSpace::Storage => (naga::AddressSpace::Storage { access }, Purpose::Storage),
+            AddressSpace::PushConstant => (naga::AddressSpace::Immediate, Purpose::Immediate),
+            AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
+                let message =
+                    format!("`{}` is reached by an address, which cannot run", layout.name);
+                return Err(refuse(span, message));
+            }
+        };
+        let size = layout.size.unwrap_or(0);
+        let host = self.host_of_block(&structure, &layout.members, size, purpose);
+        let host = match host {
+            Ok(host) => Rc::new(host),
+            Err(Misfit::Alignment | Misfit::Foreign) => {
+                let message = format!("naga has nothing that carries block `{}`", layout.name);
+                return Err(refuse(span, message).help(
+                    "no 16-bit numbers, and no atomics, where naga takes the layout only as words",
+                ));
+            }
+        };
+        let runtime = structure.members.last().is_some_and(|m| matches!(m.ty, Ty::Array(_, None)));
+        let ty = match host.naga {
+            Some(ty) => ty,
+            None => {
+                let size = u32::try_from(size).unwrap_or(u32::MAX);
+                self.words(size, runtime, purpose)
+            }
+        };
+        let mut dims = Vec::new();
+        for len in &layout.count {
+            match len {
+                landfall_layout::ArrayLen::Fixed(len) => dims.push(*len),
+                landfall_layout::ArrayLen::Runtime | landfall_layout::ArrayLen::Override(_) => {
+                    return Err(refuse(span, "an array of blocks without a size cannot run"));
+                }
+            }
+        }
+        let count = dims.iter().try_fold(1u32, |all, len| all.checked_mul(*len));
+        let Some(count) = count.filter(|&count| count <= MOST_BLOCKS) else {
+            let message = format!("an array of more than {MOST_BLOCKS} blocks cannot run");
+            return Err(refuse(span, message));
+        };
+        let group = layout.group.unwrap_or(0);
+        let mut wanted = layout.binding;
+        let name = layout.instance.clone().unwrap_or_else(|| layout.name.clone());
+        let mut variables = Vec::new();
+        let memory = self.memories.len();
+        for element in 0..count {
+            let at = if purpose == Purpose::Immediate {
+                None
+            } else {
+                Some(self.bindings.claim(group, wanted))
+            };
+            // OpenGL gives the elements of an array of blocks bindings in a row.
+            wanted = wanted.and_then(|binding| binding.checked_add(1));
+            let variable = self.variable_in(space, &name, ty, at, span);
+            variables.push(variable);
+            let (group, binding) = at.unwrap_or((0, 0));
+            let element = block.is_some_and(|_| !dims.is_empty()).then_some(element);
+            let layout = layout.clone();
+            self.blocks.push(ModuleBlock { layout, group, binding, element, variable });
+            self.block_memory.push(memory);
+        }
+        let fours = purpose == Purpose::Uniform;
+        let writable = writable && purpose == Purpose::Storage;
+        self.memories.push(Memory { variables, dims, host, structure, writable, fours });
+        Ok(memory)
+    }
+
+    /// `in NAME { … } instance;`
+    pub fn interface_block(&mut self, block: &BlockDecl<'a>) -> R<()> {
+        if block.name.text == "gl_PerVertex" {
+            return Ok(());
+        }
+        let qualifiers = &block.qualifiers;
+        if !block.dims.is_empty() {
+            let message = "arrays of interface blocks belong to stages that cannot run";
+            return Err(refuse(block.name.span, message));
+        }
+        let output = qualifiers.storage == Storage::Out;
+        let mut next = self.layout_number(qualifiers, "location");
+        let mut fields = Vec::new();
+        for member in &block.members {
+            for declarator in &member.names {
+                let ty = self.global_type(&member.ty, &declarator.dims)?;
+                let own = self.layout_number(&member.qualifiers, "location");
+                let location = own.or(next);
+                next = location.map(|l| l + super::io::locations(&ty));
+                let name = declarator.name;
+                fields.push((Field { name: name.text.into(), ty }, name, location, member));
+            }
+        }
+        let Some(instance) = &block.instance else {
+            for (field, name, location, member) in fields {
+                let handle = self.private(name.text, &field.ty, name.span)?;
+                let path = format!("{}.{}", block.name.text, name.text);
+                let io = Io::new(&path, handle, field.ty.clone(), &member.qualifiers, output)
+                    .also(qualifiers)
+                    .at(location, None, name.span);
+                self.io.push(io);
+                let ty = field.ty;
+                self.declare_global(name.text, Global::Variable { handle, ty, writable: output });
+            }
+            return Ok(());
+        };
+        let members: Vec<Field> = fields.iter().map(|f| f.0.clone()).collect();
+        let structure = self.new_structure(block.name.text, members);
+        let ty = Ty::Struct(structure);
+        let handle = self.private(instance.text, &ty, block.name.span)?;
+        for (index, (field, name, location, member)) in fields.into_iter().enumerate() {
+            let path = format!("{}.{}", block.name.text, name.text);
+            let io = Io::new(&path, handle, field.ty, &member.qualifiers, output)
+                .also(qualifiers)
+                .member(index as u32)
+                .at(location, None, name.span);
+            self.io.push(io);
+        }
+        self.declare_global(instance.text, Global::Variable { handle, ty, writable: output });
+        Ok(())
+    }
+}

@@ -1,0 +1,381 @@
+//! A function under construction: its expressions, blocks and scopes.
+//!
+//! What lowers [`ast`](super::ast) builds on this; nothing here knows GLSL's meaning.
+
+use naga::{Expression, Handle, Literal, LocalVariable, Range, Statement};
+use rustc_hash::FxHashMap;
+
+use super::constant::Const;
+use super::opaque::HandlePair;
+use super::place::{Mem, Place};
+use super::types::{Kind, Ty};
+use super::{Lowerer, R, refuse};
+use landfall_layout::source::Span;
+
+/// A value: an expression of naga's and what it is to GLSL.
+#[derive(Clone, Debug)]
+pub struct Val {
+    pub expr: Handle<Expression>,
+    pub ty: Ty,
+}
+
+/// What a name in a body means.
+#[derive(Clone, Debug)]
+pub enum Symbol {
+    /// A variable.
+    Place(Place),
+    /// A value that never changes.
+    Value(Val),
+    /// A constant with a whole value besides.
+    Const(Val, Const),
+    /// A parameter that is or holds handles: the way they are found by, and the rest of it.
+    Handles(String, Ty, Option<Box<Symbol>>),
+    /// A structure's name.
+    Structure(Ty),
+}
+
+/// A function being lowered.
+pub struct Body<'l, 'a> {
+    pub cx: &'l mut Lowerer<'a>,
+    pub function: naga::Function,
+    /// Blocks being filled, one inside the other.
+    blocks: Vec<naga::Block>,
+    /// Statements before all others: constants of the shader.
+    pub prologue: naga::Block,
+    /// Expressions not yet emitted: first and last.
+    pending: Option<(Handle<Expression>, Handle<Expression>)>,
+    literals: FxHashMap<(u8, u64), Handle<Expression>>,
+    globals: FxHashMap<Handle<naga::GlobalVariable>, Handle<Expression>>,
+    locals: FxHashMap<Handle<LocalVariable>, Handle<Expression>>,
+    /// Constants of the shader that this function has lowered, by their number.
+    pub constants: FxHashMap<usize, Val>,
+    pub scopes: Vec<FxHashMap<&'a str, Symbol>>,
+    /// Handles that came in as arguments, by path.
+    pub handles: FxHashMap<String, HandlePair>,
+    pub returns: Ty,
+    /// What is being lowered.
+    pub span: Span,
+    /// Whether nothing can follow in this block.
+    pub dead: bool,
+}
+
+impl<'l, 'a> Body<'l, 'a> {
+    pub fn new(cx: &'l mut Lowerer<'a>, returns: Ty, span: Span) -> Body<'l, 'a> {
+        Body {
+            cx,
+            function: naga::Function::default(),
+            blocks: vec![naga::Block::new()],
+            prologue: naga::Block::new(),
+            pending: None,
+            literals: FxHashMap::default(),
+            globals: FxHashMap::default(),
+            locals: FxHashMap::default(),
+            constants: FxHashMap::default(),
+            scopes: vec![FxHashMap::default()],
+            handles: FxHashMap::default(),
+            returns,
+            span,
+            dead: false,
+        }
+    }
+
+    /// The finished function.
+    pub fn finish(mut self) -> naga::Function {
+        self.flush();
+        let body = self.blocks.pop().expect("the outermost block is never taken away");
+        let mut whole = std::mem::take(&mut self.prologue);
+        for (statement, span) in body.span_into_iter() {
+            whole.push(statement, span);
+        }
+        self.function.body = whole;
+        self.function
+    }
+
+    pub fn naga_span(&self) -> naga::Span {
+        self.cx.naga_span(self.span)
+    }
+
+    /// Appends an expression; it is emitted with its neighbours.
+    pub fn add(&mut self, expression: Expression) -> Handle<Expression> {
+        let early = expression.needs_pre_emit();
+        if early {
+            self.flush();
+        }
+        let span = self.naga_span();
+        let handle = self.function.expressions.append(expression, span);
+        if !early {
+            let first = self.pending.map_or(handle, |(first, _)| first);
+            self.pending = Some((first, handle));
+        }
+        handle
+    }
+
+    /// Appends an expression that a statement fills: the result of a call.
+    pub fn add_result(&mut self, expression: Expression) -> Handle<Expression> {
+        self.flush();
+        let span = self.naga_span();
+        self.function.expressions.append(expression, span)
+    }
+
+    /// Emits what is pending.
+    pub fn flush(&mut self) {
+        if let Some((first, last)) = self.pending.take() {
+            let span = self.naga_span();
+            if !self.dead {
+                let block = self.blocks.last_mut().expect("there is always a block");
+                block.push(Statement::Emit(Range::new_from_bounds(first, last)), span);
+            }
+        }
+    }
+
+    pub fn statement(&mut self, statement: Statement) {
+        self.flush();
+        if self.dead {
+            return;
+        }
+        let span = self.naga_span();
+        self.dead = matches!(
+            statement,
+            Statement::Break | Statement::Continue | Statement::Return { .. } | Statement::Kill
+        );
+        self.blocks.last_mut().expect("there is always a block").push(statement, span);
+    }
+
+    /// A block of its own.
+    pub fn nested<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<(naga::Block, T)> {
+        self.flush();
+        let dead = std::mem::take(&mut self.dead);
+        self.blocks.push(naga::Block::new());
+        let result = fill(self);
+        self.flush();
+        self.dead = dead;
+        let block = self.blocks.pop().expect("just pushed");
+        Ok((block, result?))
+    }
+
+    /// Goes on with a block that was left.
+    pub fn reopened(
+        &mut self,
+        block: naga::Block,
+        fill: impl FnOnce(&mut Self) -> R<()>,
+    ) -> R<naga::Block> {
+        let (block, ()) = self.nested(|this| {
+            *this.blocks.last_mut().expect("just pushed") = block;
+            fill(this)
+        })?;
+        Ok(block)
+    }
+
+    /// What comes before all other statements.
+    pub fn in_prologue<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
+        let (block, result) = self.nested(|this| {
+            let scopes = std::mem::replace(&mut this.scopes, vec![FxHashMap::default()]);
+            let result = fill(this);
+            this.scopes = scopes;
+            result
+        })?;
+        for (statement, span) in block.span_into_iter() {
+            self.prologue.push(statement, span);
+        }
+        Ok(result)
+    }
+
+    pub fn scoped<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
+        self.scopes.push(FxHashMap::default());
+        let result = fill(self);
+        self.scopes.pop();
+        result
+    }
+
+    pub fn declare(&mut self, name: &'a str, symbol: Symbol) {
+        self.scopes.last_mut().expect("there is always a scope").insert(name, symbol);
+    }
+
+    pub fn symbol(&self, name: &str) -> Option<&Symbol> {
+        self.scopes.iter().rev().find_map(|scope| scope.get(name))
+    }
+
+    /// A new variable.
+    pub fn local(&mut self, name: &str, ty: &Ty) -> R<Handle<LocalVariable>> {
+        let handle = self.cx.carrier(ty, self.span)?;
+        let span = self.naga_span();
+        let name = (!name.is_empty()).then(|| name.to_string());
+        let variable = LocalVariable { name, ty: handle, init: None };
+        Ok(self.function.local_variables.append(variable, span))
+    }
+
+    pub fn local_pointer(&mut self, local: Handle<LocalVariable>) -> Handle<Expression> {
+        if let Some(&pointer) = self.locals.get(&local) {
+            return pointer;
+        }
+        let pointer = self.add(Expression::LocalVariable(local));
+        self.locals.insert(local, pointer);
+        pointer
+    }
+
+    pub fn global_pointer(&mut self, global: Handle<naga::GlobalVariable>) -> Handle<Expression> {
+        if let Some(&pointer) = self.globals.get(&global) {
+            return pointer;
+        }
+        let pointer = self.add(Expression::GlobalVariable(global));
+        self.globals.insert(global, pointer);
+        pointer
+    }
+
+    pub fn local_place(&mut self, local: Handle<LocalVariable>, ty: &Ty) -> Place {
+        Place::new(Mem::Own(self.local_pointer(local)), ty.clone())
+    }
+
+    /// A new variable that holds a value.
+    pub fn spill(&mut self, value: &Val) -> R<Place> {
+        let local = self.local("", &value.ty)?;
+        let pointer = self.local_pointer(local);
+        self.statement(Statement::Store { pointer, value: value.expr });
+        Ok(Place::new(Mem::Own(pointer), value.ty.clone()))
+    }
+
+    pub fn literal(&mut self, literal: Literal) -> Handle<Expression> {
+        let key = match literal {
+            Literal::F64(v) => (0, v.to_bits()),
+            Literal::F32(v) => (1, v.to_bits().into()),
+            Literal::U32(v) => (2, v.into()),
+            Literal::I32(v) => (3, v as u64),
+            Literal::Bool(v) => (4, v.into()),
+            Literal::U64(v) => (5, v),
+            Literal::I64(v) => (6, v as u64),
+            Literal::U16(v) => (7, v.into()),
+            Literal::I16(v) => (8, v as u64),
+            Literal::F16(v) => (9, v.to_bits().into()),
+            Literal::AbstractInt(v) => (10, v as u64),
+            Literal::AbstractFloat(v) => (11, v.to_bits()),
+        };
+        if let Some(&handle) = self.literals.get(&key) {
+            return handle;
+        }
+        let handle = self.add(Expression::Literal(literal));
+        self.literals.insert(key, handle);
+        handle
+    }
+
+    pub fn u32(&mut self, value: u32) -> Handle<Expression> {
+        self.literal(Literal::U32(value))
+    }
+
+    /// A number as a scalar of some kind.
+    pub fn number(&mut self, kind: Kind, value: f64) -> Val {
+        let literal = match kind {
+            Kind::Bool => Literal::Bool(value != 0.0),
+            // Between int and uint the bits stay (GLSL 4.60 §5.4.1).
+            Kind::Int if value > f64::from(i32::MAX) => Literal::I32(value as u32 as i32),
+            Kind::Int => Literal::I32(value as i32),
+            Kind::Uint if value < 0.0 => Literal::U32(value as i32 as u32),
+            Kind::Uint => Literal::U32(value as u32),
+            Kind::Float => Literal::F32(value as f32),
+            Kind::Double => Literal::F64(value),
+            Kind::Half => {
+                Literal::F16(half::f16::from_f32(landfall_layout::buffer::float::odd(value)))
+            }
+            Kind::Short => Literal::I16(value as i16),
+            Kind::Ushort => Literal::U16(value as u16),
+            Kind::Long => Literal::I64(value as i64),
+            Kind::Ulong => Literal::U64(value as u64),
+        };
+        Val { expr: self.literal(literal), ty: Ty::Scalar(kind) }
+    }
+
+    pub fn value_of(&mut self, constant: &Const) -> Option<Val> {
+        let (literal, ty) = match constant {
+            Const::Bool(value) => (Literal::Bool(*value), Ty::BOOL),
+            Const::Int(value) => (Literal::I32(*value), Ty::INT),
+            Const::Uint(value) => (Literal::U32(*value), Ty::UINT),
+            Const::Float(value) => (Literal::F32(*value as f32), Ty::FLOAT),
+            Const::List(_) => return None,
+        };
+        Some(Val { expr: self.literal(literal), ty })
+    }
+
+    pub fn zero(&mut self, ty: &Ty) -> R<Val> {
+        let handle = self.cx.carrier(ty, self.span)?;
+        Ok(Val { expr: self.add(Expression::ZeroValue(handle)), ty: ty.clone() })
+    }
+
+    pub fn compose(&mut self, ty: &Ty, components: Vec<Handle<Expression>>) -> R<Val> {
+        let handle = self.cx.carrier(ty, self.span)?;
+        Ok(Val { expr: self.add(Expression::Compose { ty: handle, components }), ty: ty.clone() })
+    }
+
+    pub fn part(&mut self, base: Handle<Expression>, index: u32) -> Handle<Expression> {
+        self.add(Expression::AccessIndex { base, index })
+    }
+
+    pub fn binary(
+        &mut self,
+        op: naga::BinaryOperator,
+        left: Handle<Expression>,
+        right: Handle<Expression>,
+    ) -> Handle<Expression> {
+        self.add(Expression::Binary { op, left, right })
+    }
+
+    /// Runs `accept` or `reject` and gives what they give.
+    pub fn choose(
+        &mut self,
+        condition: Handle<Expression>,
+        ty: &Ty,
+        accept: impl FnOnce(&mut Self) -> R<Val>,
+        reject: impl FnOnce(&mut Self) -> R<Val>,
+    ) -> R<Val> {
+        let local = self.local("", ty)?;
+        let pointer = self.local_pointer(local);
+        let (accept, ()) = self.nested(|this| {
+            let value = accept(this)?;
+            this.statement(Statement::Store { pointer, value: value.expr });
+            Ok(())
+        })?;
+        let (reject, ()) = self.nested(|this| {
+            let value = reject(this)?;
+            this.statement(Statement::Store { pointer, value: value.expr });
+            Ok(())
+        })?;
+        self.statement(Statement::If { condition, accept, reject });
+        Ok(Val { expr: self.add(Expression::Load { pointer }), ty: ty.clone() })
+    }
+
+    /// Runs `each` with 0 up to `count`, not included.
+    pub fn repeat(
+        &mut self,
+        count: Handle<Expression>,
+        each: impl FnOnce(&mut Self, Handle<Expression>) -> R<()>,
+    ) -> R<()> {
+        let counter = self.local("", &Ty::UINT)?;
+        let pointer = self.local_pointer(counter);
+        let (zero, one) = (self.u32(0), self.u32(1));
+        self.statement(Statement::Store { pointer, value: zero });
+        let (body, ()) = self.nested(|this| {
+            let index = this.add(Expression::Load { pointer });
+            let done = this.binary(naga::BinaryOperator::GreaterEqual, index, count);
+            let (stop, ()) = this.nested(|this| {
+                this.statement(Statement::Break);
+                Ok(())
+            })?;
+            this.statement(Statement::If {
+                condition: done,
+                accept: stop,
+                reject: naga::Block::new(),
+            });
+            each(this, index)
+        })?;
+        let (continuing, ()) = self.nested(|this| {
+            let index = this.add(Expression::Load { pointer });
+            let value = this.binary(naga::BinaryOperator::Add, index, one);
+            this.statement(Statement::Store { pointer, value });
+            Ok(())
+        })?;
+        self.statement(Statement::Loop { body, continuing, break_if: None });
+        Ok(())
+    }
+
+    pub fn refuse<T>(&self, message: impl Into<String>) -> R<T> {
+        Err(refuse(self.span, message))
+    }
+}

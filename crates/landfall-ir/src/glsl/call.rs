@@ -1,0 +1,397 @@
+//! Calls: of the shader's functions, with copies in and out, and of the language's own.
+
+use naga::{Expression, Handle, Statement};
+
+use super::ast::*;
+use super::body::{Body, Symbol, Val};
+use super::expression::Operand;
+use super::globals::Global;
+use super::opaque::{Chosen, HandlePair, ways};
+use super::place::{Place, Way};
+use super::types::{Kind, Opaque, Ty, holds_values};
+use super::{Help, R, refuse};
+use crate::module::Direction;
+
+/// The language's own functions that write to their arguments.
+pub const OUTPUTS: &[&str] =
+    &["modf", "frexp", "uaddCarry", "usubBorrow", "umulExtended", "imulExtended"];
+
+/// An argument of the shader's function, evaluated.
+enum Argument {
+    Value(Val),
+    /// Written by the function: the pointer it is given, and where the result goes.
+    Back(Handle<Expression>, Option<(Place, Place)>),
+    /// A handle, or something with handles in it: the rest of it, and its way.
+    Handles(Option<Val>, Chosen, Ty),
+}
+
+impl<'a> Body<'_, 'a> {
+    /// A call whose value is not needed.
+    pub fn call_for_effect(&mut self, e: &Expr<'a>) -> R<()> {
+        self.deeper(|this| this.call_of(e, true).map(|_| ()))
+    }
+
+    pub fn call(&mut self, e: &Expr<'a>) -> R<Operand> {
+        self.call_of(e, false)
+    }
+
+    fn call_of(&mut self, e: &Expr<'a>, for_effect: bool) -> R<Operand> {
+        let (name, arguments) = match &e.kind {
+            ExprKind::Construct(spec, arguments) => match spec.base {
+                TypeBase::Name(text) if is_handle(text) => (Name { text, span: e.span }, arguments),
+                _ => return self.construct(spec, arguments, e).map(Operand::Value),
+            },
+            ExprKind::Call(name, arguments) => (*name, arguments),
+            _ => return self.refuse("this is no call"),
+        };
+        let structure = match self.symbol(name.text) {
+            Some(Symbol::Structure(ty)) => Some(ty.clone()),
+            Some(_) => None,
+            None => self.cx.global_structure(name.text).cloned(),
+        };
+        if let Some(Ty::Struct(s)) = structure {
+            return self.construct_structure(&s, arguments, e).map(Operand::Value);
+        }
+        if name.text.starts_with("sampler")
+            || name.text.starts_with("isampler")
+            || name.text.starts_with("usampler")
+        {
+            if let [texture, sampler] = &arguments[..] {
+                return self.pair(name, texture, sampler).map(Operand::Handle);
+            }
+        }
+        if self.cx.function_names.contains_key(name.text) {
+            if let Some(value) = self.own_call(name, arguments, e)? {
+                return Ok(Operand::Value(value));
+            }
+        }
+        if let Some(value) = self.builtin_call(name.text, arguments, e, for_effect)? {
+            return Ok(Operand::Value(value));
+        }
+        self.span = name.span;
+        if let Some(&index) = self.cx.global_names.get(name.text) {
+            if let Global::Refused(why) = &self.cx.globals[index] {
+                return Err(why.clone());
+            }
+        }
+        let mut why = refuse(name.span, format!("there is no function `{}`", name.text));
+        why.code = "unknown-name";
+        let known = self.cx.function_names.keys().copied();
+        Err(match landfall_layout::text::edit_distance::nearest(name.text, known) {
+            Some(near) => why.help(format!("did you mean `{near}`?")),
+            None => why,
+        })
+    }
+
+    /// The language's own functions.
+    fn builtin_call(
+        &mut self,
+        name: &str,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+        for_effect: bool,
+    ) -> R<Option<Val>> {
+        if let ("nonuniformEXT", [inner]) = (name, arguments) {
+            return self.value(inner).map(Some);
+        }
+        if name == "debugPrintfEXT" {
+            return Ok(Some(Val { expr: self.u32(0), ty: Ty::Void }));
+        }
+        if let Some(value) = self.texture_call(name, arguments, e)? {
+            return Ok(Some(value));
+        }
+        if let Some(value) = self.memory_call(name, arguments, e, for_effect)? {
+            return Ok(Some(value));
+        }
+        if OUTPUTS.contains(&name) {
+            return self.output_call(name, arguments, e).map(Some);
+        }
+        let mut values = Vec::new();
+        if !super::math::is_known(name) {
+            return Ok(None);
+        }
+        for argument in arguments {
+            values.push(self.value(argument)?);
+        }
+        self.span = e.span;
+        match self.math_call(name, &values)? {
+            Some(value) => Ok(Some(value)),
+            None => {
+                let types: Vec<String> = values.iter().map(|v| format!("`{}`", v.ty)).collect();
+                self.refuse(format!("`{name}` does not take {}", types.join(", ")))
+            }
+        }
+    }
+
+    /// `sampler2D(texture, sampler)`
+    fn pair(&mut self, name: Name<'a>, texture: &Expr<'a>, sampler: &Expr<'a>) -> R<Chosen> {
+        let (texture, sampler) = (self.chosen(texture)?, self.chosen(sampler)?);
+        self.span = name.span;
+        let Some(Ty::Opaque(opaque)) = super::carrier::builtin(name.text) else {
+            return self.refuse(format!("`{}` is no sampler", name.text));
+        };
+        if let Opaque::Combined(image) = &opaque {
+            if image.depth {
+                return self
+                    .refuse(
+                        "a texture and a sampler are joined for a comparison, which naga cannot",
+                    )
+                    .map_err(|why: Box<landfall_layout::Diagnostic>| {
+                        why.help(format!("declare `uniform {} …` in one", name.text))
+                    });
+            }
+        }
+        Ok(Chosen::Joined(opaque, Box::new([texture, sampler])))
+    }
+
+    /// The handle an expression names.
+    pub fn chosen(&mut self, e: &Expr<'a>) -> R<Chosen> {
+        let operand = self.operand(e)?;
+        self.span = e.span;
+        match operand {
+            Operand::Handle(chosen) => Ok(chosen),
+            Operand::Place(Place { path: Some(way), ty: ty @ Ty::Opaque(_), .. }) => {
+                Ok(Chosen::At(way, ty))
+            }
+            _ => self.refuse("a sampler, texture or image is wanted here"),
+        }
+    }
+
+    /// A call of a function of the shader's; `None` when none of that name fits.
+    fn own_call(&mut self, name: Name<'a>, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Option<Val>> {
+        let overloads = self.cx.function_names.get(name.text).cloned().unwrap_or_default();
+        let fitting: Vec<usize> = overloads
+            .iter()
+            .copied()
+            .filter(|&i| self.cx.functions[i].parameters.len() == arguments.len())
+            .collect();
+        if fitting.is_empty() {
+            if super::math::is_known(name.text) || super::texture::is_known(name.text) {
+                return Ok(None);
+            }
+            let count = arguments.len();
+            return self.refuse(format!("no `{}` takes {count} arguments", name.text));
+        }
+        let mut operands = Vec::new();
+        let mut types = Vec::new();
+        for argument in arguments {
+            let operand = self.operand(argument)?;
+            types.push(match &operand {
+                Operand::Value(value) => value.ty.clone(),
+                Operand::Place(place) => place.ty.clone(),
+                Operand::Handle(Chosen::At(_, ty)) => ty.clone(),
+                Operand::Handle(Chosen::Joined(opaque, _)) => Ty::Opaque(opaque.clone()),
+                Operand::Blocks(..) => Ty::Void,
+            });
+            // A value is read when its turn comes: what later arguments change comes later.
+            let simple = super::uses::is_simple(argument);
+            operands.push(match operand {
+                Operand::Place(place)
+                    if !simple
+                        && !place.ty.has_opaque()
+                        && self.always_in(&fitting, operands.len()) =>
+                {
+                    Operand::Value(self.load(&place)?)
+                }
+                other => other,
+            });
+        }
+        self.span = e.span;
+        let Some(index) = self.best(&fitting, &types) else {
+            if super::math::is_known(name.text) || super::texture::is_known(name.text) {
+                return Ok(None);
+            }
+            let types: Vec<String> = types.iter().map(|ty| format!("`{ty}`")).collect();
+            let message = format!("no `{}` takes {}", name.text, types.join(", "));
+            return self.refuse(message);
+        };
+        let function = self.cx.function(index, name.span)?;
+        let parameters = self.cx.functions[index].parameters.clone();
+        let returns = self.cx.functions[index].returns.clone();
+        let mut ready = Vec::new();
+        for ((operand, parameter), argument) in operands.into_iter().zip(&parameters).zip(arguments)
+        {
+            self.span = argument.span;
+            ready.push(self.argument_of(operand, &parameter.ty, parameter.direction)?);
+        }
+        self.span = e.span;
+        self.emit_call(function, ready, &returns).map(Some)
+    }
+
+    fn always_in(&self, fitting: &[usize], parameter: usize) -> bool {
+        fitting.iter().all(|&i| {
+            self.cx.functions[i]
+                .parameters
+                .get(parameter)
+                .is_none_or(|p| p.direction == Direction::In)
+        })
+    }
+
+    /// The overload that fits exactly, or with the fewest conversions.
+    fn best(&self, fitting: &[usize], types: &[Ty]) -> Option<usize> {
+        let cost = |index: usize| {
+            let parameters = &self.cx.functions[index].parameters;
+            parameters.iter().zip(types).try_fold(0u32, |sum, (parameter, ty)| {
+                let fits = match parameter.direction {
+                    Direction::In => ty.converts_to(&parameter.ty),
+                    Direction::Out => parameter.ty.converts_to(ty),
+                    Direction::InOut => *ty == parameter.ty,
+                };
+                let exact = *ty == parameter.ty;
+                // Float to double is worse than int to float (GLSL 4.60 §6.1).
+                let wide = parameter.ty.kind() == Some(Kind::Double);
+                fits.then_some(
+                    sum + if exact {
+                        0
+                    } else if wide {
+                        3
+                    } else {
+                        2
+                    },
+                )
+            })
+        };
+        let costs = fitting.iter().filter_map(|&index| Some((cost(index)?, index)));
+        costs.min_by_key(|(cost, _)| *cost).map(|(_, index)| index)
+    }
+
+    fn argument_of(&mut self, operand: Operand, ty: &Ty, direction: Direction) -> R<Argument> {
+        if ty.has_opaque() {
+            return match operand {
+                Operand::Handle(chosen) => Ok(Argument::Handles(None, chosen, ty.clone())),
+                Operand::Place(place) => {
+                    let Some(way) = place.path.clone() else {
+                        return self.refuse("a handle is chosen by two variable indices");
+                    };
+                    let rest = if holds_values(ty) { Some(self.load_rest(&place)?) } else { None };
+                    Ok(Argument::Handles(rest, Chosen::At(way, ty.clone()), ty.clone()))
+                }
+                Operand::Value(_) | Operand::Blocks(..) => self.refuse("a handle is wanted here"),
+            };
+        }
+        if direction == Direction::In {
+            let value = self.value_of_operand(operand)?;
+            return self.coerce(&value, ty).map(Argument::Value);
+        }
+        let Operand::Place(place) = operand else {
+            return self.refuse("what a function writes to must be a variable");
+        };
+        if !place.writable {
+            return self.refuse("what a function writes to cannot be written");
+        }
+        let local = self.local("", ty)?;
+        let pointer = self.local_pointer(local);
+        if direction == Direction::InOut {
+            let value = self.load(&place)?;
+            let value = self.coerce(&value, ty)?;
+            self.statement(Statement::Store { pointer, value: value.expr });
+        }
+        let copy = self.local_place(local, ty);
+        Ok(Argument::Back(pointer, Some((copy, place))))
+    }
+
+    /// The values of a structure with handles in it.
+    fn load_rest(&mut self, place: &Place) -> R<Val> {
+        let plain = Place { path: None, ..place.clone() };
+        self.load(&plain)
+    }
+
+    fn emit_call(
+        &mut self,
+        function: Handle<naga::Function>,
+        arguments: Vec<Argument>,
+        returns: &Ty,
+    ) -> R<Val> {
+        let chosen = arguments.iter().find_map(|argument| match argument {
+            Argument::Handles(_, chosen, _) if is_variable(chosen) => Some(chosen.clone()),
+            _ => None,
+        });
+        let value = match chosen {
+            None => self.emit_with(function, &arguments, returns, None)?,
+            Some(chosen @ (Chosen::At(_, Ty::Opaque(_)) | Chosen::Joined(..))) => {
+                let several = arguments.iter().filter(|argument| {
+                    matches!(argument, Argument::Handles(_, chosen, _) if is_variable(chosen))
+                });
+                if several.count() > 1 {
+                    return self.refuse("two handles are chosen with variable indices in one call");
+                }
+                self.with_handle(&chosen, returns, |this, pair| {
+                    this.emit_with(function, &arguments, returns, Some(pair))
+                })?
+            }
+            Some(_) => {
+                return self.refuse("a structure with handles is chosen with a variable index");
+            }
+        };
+        for argument in &arguments {
+            let Argument::Back(_, Some((copy, place))) = argument else { continue };
+            let result = self.load(copy)?;
+            let result = self.coerce(&result, &place.ty)?;
+            self.store(place, &result)?;
+        }
+        Ok(value)
+    }
+
+    fn emit_with(
+        &mut self,
+        function: Handle<naga::Function>,
+        arguments: &[Argument],
+        returns: &Ty,
+        pair: Option<&HandlePair>,
+    ) -> R<Val> {
+        let mut flat = Vec::new();
+        for argument in arguments {
+            match argument {
+                Argument::Value(value) => flat.push(value.expr),
+                Argument::Back(pointer, _) => flat.push(*pointer),
+                Argument::Handles(rest, chosen, ty) => {
+                    flat.extend(rest.as_ref().map(|rest| rest.expr));
+                    let pairs: Vec<HandlePair> = match (chosen, pair) {
+                        (
+                            Chosen::Joined(..) | Chosen::At(Way { dynamic: Some(_), .. }, _),
+                            Some(pair),
+                        ) => vec![pair.clone()],
+                        (Chosen::Joined(..), None) => {
+                            return self.refuse("a handle is chosen in two ways at once");
+                        }
+                        (Chosen::At(way, _), _) => {
+                            let all = ways(ty).into_iter();
+                            all.map(|(rest, _)| self.handle(&format!("{}{rest}", way.text)))
+                                .collect::<R<_>>()?
+                        }
+                    };
+                    for pair in pairs {
+                        let (image, sampler) = (pair.image, pair.sampler);
+                        if image.is_some() {
+                            flat.push(self.source(image)?);
+                        }
+                        if sampler.is_some() {
+                            flat.push(self.source(sampler)?);
+                        }
+                    }
+                }
+            }
+        }
+        let result =
+            (*returns != Ty::Void).then(|| self.add_result(Expression::CallResult(function)));
+        self.statement(Statement::Call { function, arguments: flat, result });
+        match result {
+            Some(expr) => Ok(Val { expr, ty: returns.clone() }),
+            // A value that nobody can use: `void` goes nowhere.
+            None => Ok(Val { expr: self.u32(0), ty: Ty::Void }),
+        }
+    }
+}
+
+/// Whether which handle it is shows only when the shader runs, or it is joined of two.
+fn is_variable(chosen: &Chosen) -> bool {
+    match chosen {
+        Chosen::At(way, _) => way.dynamic.is_some(),
+        Chosen::Joined(..) => true,
+    }
+}
+
+/// Whether a name that begins a constructor is one of a handle: a legacy function has its name.
+fn is_handle(name: &str) -> bool {
+    matches!(super::carrier::builtin(name), Some(Ty::Opaque(_)))
+}

@@ -1,0 +1,421 @@
+//! Expressions: names, members, indices, assignments, choices.
+
+use naga::Expression;
+
+use super::ast::*;
+use super::body::{Body, Symbol, Val};
+use super::constant::{Const, literal};
+use super::globals::Global;
+use super::opaque::Chosen;
+use super::place::{Address, Index, Mem, Place, Way};
+use super::types::{Kind, Ty};
+use super::{Help, R, refuse};
+
+/// What an expression comes to before it is read.
+#[derive(Clone, Debug)]
+pub enum Operand {
+    Value(Val),
+    Place(Place),
+    Handle(Chosen),
+    /// An array of blocks of which so many indices are taken.
+    Blocks(usize, Vec<u32>),
+}
+
+impl<'a> Body<'_, 'a> {
+    /// The value of an expression.
+    pub fn value(&mut self, e: &Expr<'a>) -> R<Val> {
+        let operand = self.operand(e)?;
+        self.span = e.span;
+        self.value_of_operand(operand)
+    }
+
+    pub fn value_of_operand(&mut self, operand: Operand) -> R<Val> {
+        match operand {
+            Operand::Value(value) => Ok(value),
+            Operand::Place(place) => self.load(&place),
+            Operand::Handle(_) => self.refuse("a handle is no value"),
+            Operand::Blocks(..) => self.refuse("an array of blocks is no value"),
+        }
+    }
+
+    /// A value that is written to.
+    pub fn place(&mut self, e: &Expr<'a>) -> R<Place> {
+        match self.operand(e)? {
+            Operand::Place(place) => Ok(place),
+            Operand::Value(_) | Operand::Handle(_) | Operand::Blocks(..) => {
+                self.span = e.span;
+                self.refuse("what is on the left cannot be written")
+            }
+        }
+    }
+
+    /// An expression for what it does.
+    pub fn effect(&mut self, e: &Expr<'a>) -> R<()> {
+        match &e.kind {
+            ExprKind::Call(..) | ExprKind::Construct(..) => {
+                self.span = e.span;
+                self.call_for_effect(e)
+            }
+            ExprKind::Comma(a, b) => {
+                self.effect(a)?;
+                self.effect(b)
+            }
+            ExprKind::Step(step, inner) => {
+                self.step_value(Step { before: true, ..*step }, inner, e).map(|_| ())
+            }
+            ExprKind::Choose(parts) => {
+                let [condition, accept, reject] = &**parts;
+                let condition = self.boolean(condition)?.expr;
+                let (accept, ()) = self.nested(|this| this.effect(accept))?;
+                let (reject, ()) = self.nested(|this| this.effect(reject))?;
+                self.statement(naga::Statement::If { condition, accept, reject });
+                Ok(())
+            }
+            _ => self.operand(e).map(|_| ()),
+        }
+    }
+
+    pub fn operand(&mut self, e: &Expr<'a>) -> R<Operand> {
+        self.span = e.span;
+        self.deeper(|this| this.operand_of(e))
+    }
+
+    fn operand_of(&mut self, e: &Expr<'a>) -> R<Operand> {
+        match &e.kind {
+            ExprKind::Number(text) => self.literal_of(text, false).map(Operand::Value),
+            ExprKind::Bool(value) => {
+                let expr = self.literal(naga::Literal::Bool(*value));
+                Ok(Operand::Value(Val { expr, ty: Ty::BOOL }))
+            }
+            ExprKind::Name(name) => self.named(name),
+            ExprKind::Unary(op, inner) => self.unary(*op, inner, e).map(Operand::Value),
+            ExprKind::Binary(op, a, b) => self.binary_of(*op, a, b, e).map(Operand::Value),
+            ExprKind::Assign(op, left, right) => {
+                self.assign(*op, left, right, e).map(Operand::Value)
+            }
+            ExprKind::Step(step, inner) => self.step_value(*step, inner, e).map(Operand::Value),
+            ExprKind::Choose(parts) => {
+                let [condition, accept, reject] = &**parts;
+                self.choice(condition, accept, reject, e).map(Operand::Value)
+            }
+            ExprKind::Comma(a, b) => {
+                self.effect(a)?;
+                self.operand(b)
+            }
+            ExprKind::Index(base, index) => self.indexed(base, index, e),
+            ExprKind::Member(base, name) => {
+                let base = self.operand(base)?;
+                self.span = e.span;
+                self.member(base, name.text)
+            }
+            ExprKind::Call(..) | ExprKind::Construct(..) => self.call(e),
+            ExprKind::Length(base) => self.length(base, e).map(Operand::Value),
+            ExprKind::List(_) => self.refuse("`{ … }` has no type here"),
+        }
+    }
+
+    /// A number as written, or with a minus before it.
+    pub fn literal_of(&mut self, text: &str, negative: bool) -> R<Val> {
+        let Some((value, kind)) = literal(text) else {
+            return self.refuse(format!("`{text}` is no number that can run"));
+        };
+        let number = match value {
+            Const::Int(value) => f64::from(value),
+            Const::Uint(value) => f64::from(value),
+            Const::Float(value) => value,
+            Const::Bool(_) | Const::List(_) => 0.0,
+        };
+        let number = if negative { -number } else { number };
+        if kind == Kind::Uint && negative {
+            return Ok(self.number(Kind::Uint, f64::from((-number as u32).wrapping_neg())));
+        }
+        if kind == Kind::Float && !(number as f32).is_finite() {
+            return self.refuse(format!("`{text}` is past the largest float"));
+        }
+        Ok(self.number(kind, number))
+    }
+
+    /// What a name stands for.
+    pub fn named(&mut self, name: &str) -> R<Operand> {
+        match self.symbol(name).cloned() {
+            Some(Symbol::Place(place)) => return Ok(Operand::Place(place)),
+            Some(Symbol::Value(value) | Symbol::Const(value, _)) => {
+                return Ok(Operand::Value(value));
+            }
+            Some(Symbol::Handles(root, ty, rest)) => {
+                let path = Some(Way { text: root, dynamic: None });
+                let mem = match rest.as_deref() {
+                    Some(Symbol::Place(place)) => place.mem.clone(),
+                    Some(Symbol::Value(value)) => self.spill(value)?.mem,
+                    _ => Mem::Nothing,
+                };
+                return Ok(Operand::Place(Place { path, ..Place::new(mem, ty) }));
+            }
+            Some(Symbol::Structure(_)) => {
+                return self.refuse(format!("`{name}` is a structure, not a variable"));
+            }
+            None => {}
+        }
+        let known = self.cx.global_names.get(name).copied();
+        match self.cx.language_constant(name) {
+            Some(Const::List(items)) if known.is_none() => {
+                let parts: Vec<_> =
+                    items.iter().filter_map(|c| self.value_of(c)).map(|v| v.expr).collect();
+                return self.compose(&Ty::Vector(Kind::Uint, 3), parts).map(Operand::Value);
+            }
+            Some(value) if known.is_none() => {
+                if let Some(value) = self.value_of(&value) {
+                    return Ok(Operand::Value(value));
+                }
+            }
+            _ => {}
+        }
+        let known = match known {
+            Some(known) => Some(known),
+            None => self.cx.predeclared(name, self.span)?,
+        };
+        if let Some(known) = known {
+            return self.global(known, name);
+        }
+        let mut why = refuse(self.span, format!("there is no variable `{name}`"));
+        why.code = "unknown-name";
+        let scopes = self.scopes.iter().flat_map(|scope| scope.keys().copied());
+        let known = scopes.chain(self.cx.global_names.keys().copied());
+        if let Some(near) = landfall_layout::text::edit_distance::nearest(name, known) {
+            why = why.help(format!("did you mean `{near}`?"));
+        }
+        Err(why)
+    }
+
+    fn global(&mut self, index: usize, name: &str) -> R<Operand> {
+        match self.cx.globals[index].clone() {
+            Global::Variable { handle, ty, writable } => {
+                let pointer = self.global_pointer(handle);
+                let place = Place::new(Mem::Own(pointer), ty);
+                Ok(Operand::Place(Place { writable, ..place }))
+            }
+            Global::Shared { handle, host } => {
+                let pointer = self.global_pointer(handle);
+                let ty = host.ty.clone();
+                let mem = Mem::Host(Address::Pointer(pointer), host);
+                Ok(Operand::Place(Place::new(mem, ty)))
+            }
+            Global::Block(memory) if self.cx.memories[memory].dims.is_empty() => {
+                self.memory(memory, 0).map(Operand::Place)
+            }
+            Global::Block(memory) => Ok(Operand::Blocks(memory, Vec::new())),
+            Global::Member { memory, ty, .. } => {
+                let place = match memory {
+                    Some(memory) => {
+                        let whole = self.memory(memory, 0)?;
+                        let structure = self.cx.memories[memory].structure.clone();
+                        self.member_of(&whole, &structure, name)?
+                    }
+                    None => Place { writable: false, ..Place::new(Mem::Nothing, ty.clone()) },
+                };
+                let path = ty.has_opaque().then(|| Way { text: name.to_string(), dynamic: None });
+                Ok(Operand::Place(Place { path, ..place }))
+            }
+            Global::Constant { ty, declaration, index: which, value } => {
+                if let Some(value) = value.and_then(|value| self.value_of(&value)) {
+                    return Ok(Operand::Value(value));
+                }
+                if let Some(known) = self.constants.get(&index) {
+                    return Ok(Operand::Value(known.clone()));
+                }
+                let span = self.span;
+                let init = declaration.names[which].init.as_ref();
+                let Some(init) = init else { return self.refuse(format!("`{name}` has no value")) };
+                let value = self.in_prologue(|this| this.initial(init, &ty))?;
+                self.span = span;
+                self.constants.insert(index, value.clone());
+                Ok(Operand::Value(value))
+            }
+            Global::Refused(mut why) => {
+                let used =
+                    landfall_layout::Label { span: self.span, text: "used here".to_string() };
+                if why.labels.len() == 1 && why.labels[0].span != self.span {
+                    why.labels.push(used);
+                }
+                Err(why)
+            }
+        }
+    }
+
+    /// A block's memory as a place.
+    fn memory(&mut self, memory: usize, element: usize) -> R<Place> {
+        let memory = self.cx.memories[memory].clone();
+        let block = self.global_pointer(memory.variables[element]);
+        let at = match memory.host.naga {
+            Some(_) => Address::Pointer(block),
+            None => Address::Words { block, fours: memory.fours, fixed: 0, dynamic: None },
+        };
+        let ty = Ty::Struct(memory.structure);
+        let place = Place::new(Mem::Host(at, memory.host), ty);
+        Ok(Place { writable: memory.writable, ..place })
+    }
+
+    fn indexed(&mut self, base: &Expr<'a>, index: &Expr<'a>, whole: &Expr<'a>) -> R<Operand> {
+        let base = self.operand(base)?;
+        let fixed = self.constant(index).and_then(|c| c.integer());
+        let index = match fixed {
+            Some(fixed) => match u32::try_from(fixed) {
+                Ok(fixed) => Index::Fixed(fixed),
+                Err(_) => {
+                    self.span = index.span;
+                    return self.refuse(format!("index {fixed} is below 0"));
+                }
+            },
+            None => {
+                let value = self.value(index)?;
+                if !matches!(value.ty, Ty::INT | Ty::UINT) {
+                    return self.refuse(format!("a `{}` is no index", value.ty));
+                }
+                Index::Dynamic(value.expr)
+            }
+        };
+        self.span = whole.span;
+        match base {
+            Operand::Place(place)
+                if place.swizzle.is_some() && matches!(index, Index::Dynamic(_)) =>
+            {
+                let value = self.load(&place)?;
+                self.element(&value, index).map(Operand::Value)
+            }
+            Operand::Place(place) => self.element_of(&place, index).map(Operand::Place),
+            Operand::Value(value) => self.element(&value, index).map(Operand::Value),
+            Operand::Handle(_) => self.refuse("a handle has no elements"),
+            Operand::Blocks(memory, mut taken) => {
+                let dims = self.cx.memories[memory].dims.clone();
+                let i = match index {
+                    Index::Fixed(i) => i,
+                    Index::Dynamic(i) if dims.len() == 1 => {
+                        return self.one_of_blocks(memory, i).map(Operand::Place);
+                    }
+                    Index::Dynamic(_) => {
+                        let message = "an array of arrays of blocks is indexed with a variable";
+                        return self.refuse(message);
+                    }
+                };
+                if i >= dims[taken.len()] {
+                    return self
+                        .refuse(format!("index {i} is past the end of the array of blocks"));
+                }
+                taken.push(i);
+                if taken.len() < dims.len() {
+                    return Ok(Operand::Blocks(memory, taken));
+                }
+                let element = taken.iter().zip(&dims).fold(0u32, |at, (i, len)| at * len + i);
+                self.memory(memory, element as usize).map(Operand::Place)
+            }
+        }
+    }
+
+    /// A copy of the block that a variable index chooses: each is a buffer of its own.
+    fn one_of_blocks(&mut self, memory: usize, index: naga::Handle<Expression>) -> R<Place> {
+        let chosen = self.cx.memories[memory].clone();
+        let ty = Ty::Struct(chosen.structure.clone());
+        let runtime = chosen.structure.members.iter().any(|f| matches!(f.ty, Ty::Array(_, None)));
+        if chosen.writable || runtime {
+            return Err(refuse(self.span, "an array of buffers is indexed with a variable")
+                .help("each element is a buffer of its own: index it with a constant"));
+        }
+        let local = self.local("", &ty)?;
+        let copy = self.local_place(local, &ty);
+        let kind = naga::ScalarKind::Uint;
+        let selector = self.add(Expression::As { expr: index, kind, convert: Some(4) });
+        let count = chosen.variables.len();
+        let mut cases = Vec::new();
+        for i in 0..count {
+            let (body, ()) = self.nested(|this| {
+                let block = this.memory(memory, i)?;
+                let value = this.load(&block)?;
+                this.store(&copy, &value)
+            })?;
+            let value = match i + 1 == count {
+                true => naga::SwitchValue::Default,
+                false => naga::SwitchValue::U32(i as u32),
+            };
+            cases.push(naga::SwitchCase { value, body, fall_through: false });
+        }
+        self.statement(naga::Statement::Switch { selector, cases });
+        Ok(Place { writable: false, ..copy })
+    }
+
+    /// An element of a value.
+    pub fn element(&mut self, value: &Val, index: Index) -> R<Val> {
+        let Some((ty, len)) = value.ty.indexed() else {
+            return self.refuse(format!("a `{}` has no elements", value.ty));
+        };
+        match index {
+            Index::Fixed(i) => {
+                if len.is_some_and(|len| i >= len) {
+                    return self.refuse(format!("index {i} is past the end of `{}`", value.ty));
+                }
+                Ok(Val { expr: self.part(value.expr, i), ty })
+            }
+            Index::Dynamic(index) if matches!(value.ty, Ty::Vector(..)) => {
+                let expr = self.add(Expression::Access { base: value.expr, index });
+                Ok(Val { expr, ty })
+            }
+            // naga indexes matrices and arrays with variables only behind a pointer.
+            Index::Dynamic(_) => {
+                let place = self.spill(value)?;
+                let place = self.element_of(&place, index)?;
+                self.load(&place)
+            }
+        }
+    }
+
+    fn member(&mut self, base: Operand, name: &str) -> R<Operand> {
+        match base {
+            Operand::Place(place) => match place.ty.clone() {
+                Ty::Struct(structure) => {
+                    self.member_of(&place, &structure, name).map(Operand::Place)
+                }
+                _ => self.swizzle_of(&place, name).map(Operand::Place),
+            },
+            Operand::Value(value) => match &value.ty {
+                Ty::Struct(structure) => {
+                    let found = super::types::carried(structure).position(|f| f.name == name);
+                    let Some(index) = found else {
+                        return self.refuse(format!("`{}` has no member `{name}`", value.ty));
+                    };
+                    let ty = structure.members.iter().find(|f| f.name == name);
+                    let ty = ty.map_or(Ty::Void, |f| f.ty.clone());
+                    Ok(Operand::Value(Val { expr: self.part(value.expr, index as u32), ty }))
+                }
+                _ => {
+                    let size = value.ty.components().map_or(0, |(_, size)| size);
+                    let Some(picks) = super::place::selection(name, size.into()) else {
+                        return self.refuse(format!("a `{}` has no member `{name}`", value.ty));
+                    };
+                    self.select(&value, &picks).map(Operand::Value)
+                }
+            },
+            Operand::Handle(_) => self.refuse(format!("a handle has no member `{name}`")),
+            Operand::Blocks(..) => self.refuse("an array of blocks is used without an index"),
+        }
+    }
+
+    fn length(&mut self, base: &Expr<'a>, whole: &Expr<'a>) -> R<Val> {
+        let operand = self.operand(base)?;
+        self.span = whole.span;
+        let ty = match &operand {
+            Operand::Value(value) => value.ty.clone(),
+            Operand::Place(place) => place.ty.clone(),
+            Operand::Blocks(memory, taken) => {
+                let len = self.cx.memories[*memory].dims[taken.len()];
+                return Ok(self.number(Kind::Int, len.into()));
+            }
+            Operand::Handle(_) => return self.refuse("a handle has no length"),
+        };
+        match (&ty, &operand) {
+            (Ty::Array(_, None), Operand::Place(place)) => self.runtime_length(place),
+            _ => match ty.indexed() {
+                Some((_, Some(len))) => Ok(self.number(Kind::Int, len.into())),
+                _ => self.refuse(format!("a `{ty}` has no length")),
+            },
+        }
+    }
+}

@@ -1,0 +1,376 @@
+//! Functions: their signatures, and their bodies when somebody asks for them.
+
+use std::rc::Rc;
+
+use naga::{Expression, FunctionArgument, FunctionResult, Handle, Statement, TypeInner};
+
+use super::ast::*;
+use super::body::{Body, Symbol, Val};
+use super::globals::Global;
+use super::opaque::{HandlePair, Source, image_type, ways};
+use super::place::{Mem, Place};
+use super::types::{Opaque, Ty, holds_values};
+use super::uses::written;
+use super::{Lowerer, R, refuse};
+use crate::module::{Direction, FunctionInfo, LeftOut, Parameter as PublicParameter};
+use landfall_layout::diagnostic::Diagnostic;
+use landfall_layout::source::Span;
+
+/// Levels that lowering may go down: functions, statements and expressions together.
+const DEEPEST: u32 = 1500;
+
+/// Expressions that a shader may come to: more are a text made to exhaust memory.
+const MOST_EXPRESSIONS: usize = 1 << 22;
+
+/// A function of the shader.
+#[derive(Debug)]
+pub struct Entry<'a> {
+    pub declaration: Rc<FunctionDecl<'a>>,
+    pub parameters: Vec<Param<'a>>,
+    pub returns: Ty,
+    state: State,
+}
+
+#[derive(Clone, Debug)]
+pub struct Param<'a> {
+    pub name: &'a str,
+    pub ty: Ty,
+    pub direction: Direction,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+enum State {
+    Untouched,
+    Running,
+    Done(Handle<naga::Function>),
+    Failed(Box<Diagnostic>),
+}
+
+impl<'a> Lowerer<'a> {
+    pub fn declare_function(&mut self, function: &Rc<FunctionDecl<'a>>) -> R<()> {
+        let name = function.name;
+        let mut parameters = Vec::new();
+        for parameter in &function.parameters {
+            let ty = match self.parameter_type(&parameter.ty, &parameter.dims) {
+                Ok(ty) => ty,
+                Err(why) => return self.unusable(name, why),
+            };
+            let direction = match parameter.qualifiers.storage {
+                Storage::Out => Direction::Out,
+                Storage::InOut => Direction::InOut,
+                _ => Direction::In,
+            };
+            parameters.push(Param {
+                name: parameter.name.text,
+                ty,
+                direction,
+                span: parameter.name.span,
+            });
+        }
+        let returns = match self.parameter_type(&function.returns, &[]) {
+            Ok(ty) => ty,
+            Err(why) => return self.unusable(name, why),
+        };
+        let known = self.function_names.entry(name.text).or_default();
+        for &index in known.iter() {
+            let same = |a: &Param<'_>, b: &Param<'_>| a.ty == b.ty;
+            let before = &mut self.functions[index];
+            let fits = before.parameters.len() == parameters.len()
+                && before.parameters.iter().zip(&parameters).all(|(a, b)| same(a, b));
+            if !fits {
+                continue;
+            }
+            if function.body.is_some() {
+                if before.declaration.body.is_some() {
+                    let message = format!("function `{}` is defined twice", name.text);
+                    let diagnostic = Diagnostic::error("duplicate-name", name.span, message);
+                    let before = before.declaration.name.span;
+                    return Err(Box::new(diagnostic.with_label(before, "defined before here")));
+                }
+                before.declaration = function.clone();
+                before.parameters = parameters;
+            }
+            return Ok(());
+        }
+        known.push(self.functions.len());
+        self.functions.push(Entry {
+            declaration: function.clone(),
+            parameters,
+            returns,
+            state: State::Untouched,
+        });
+        Ok(())
+    }
+
+    /// A function of types that cannot run is an error where it is called.
+    fn unusable(&mut self, name: Name<'a>, why: Box<Diagnostic>) -> R<()> {
+        self.left_out.push(LeftOut { function: name.text.to_string(), why: (*why).clone() });
+        self.declare_global(name.text, Global::Refused(why));
+        Ok(())
+    }
+
+    fn parameter_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> R<Ty> {
+        let TypeBase::Name(base) = &spec.base else {
+            return Err(refuse(spec.span, "a structure is declared inside a parameter"));
+        };
+        let base = self.named_type(base, spec.span)?;
+        let own = self.dims(&spec.dims, &|e| self.constant(e))?;
+        let name = self.dims(dims, &|e| self.constant(e))?;
+        Ok(Self::arrayed(base, &own, &name))
+    }
+
+    /// Lowers every function that has a body.
+    pub fn lower_functions(&mut self) -> Result<Vec<FunctionInfo>, Vec<Diagnostic>> {
+        let mut failed: Vec<LeftOut> = Vec::new();
+        for index in 0..self.functions.len() {
+            if self.functions[index].declaration.body.is_none() {
+                continue;
+            }
+            let name = self.functions[index].declaration.name;
+            if let Err(why) = self.function(index, name.span) {
+                failed.push(LeftOut { function: name.text.to_string(), why: *why });
+            }
+        }
+        let main = self.function_names.get("main").and_then(|all| all.first().copied());
+        let runs = match main {
+            Some(main) => matches!(self.functions[main].state, State::Done(_)),
+            None => self.functions.iter().any(|f| matches!(f.state, State::Done(_))),
+        };
+        if !runs && !failed.is_empty() {
+            let mut all: Vec<Diagnostic> = Vec::new();
+            for LeftOut { why, .. } in failed {
+                if !all.contains(&why) {
+                    all.push(why);
+                }
+            }
+            return Err(all);
+        }
+        self.left_out.append(&mut failed);
+        Ok(self.functions.iter().filter_map(describe).collect())
+    }
+
+    pub fn main_function(&self) -> Option<Handle<naga::Function>> {
+        let main = *self.function_names.get("main")?.first()?;
+        match self.functions[main].state {
+            State::Done(handle) => Some(handle),
+            State::Untouched | State::Running | State::Failed(_) => None,
+        }
+    }
+
+    /// The function of that number, lowered if it is not yet; `span` is where it is called.
+    pub fn function(&mut self, index: usize, span: Span) -> R<Handle<naga::Function>> {
+        let entry = &mut self.functions[index];
+        let name = entry.declaration.name.text;
+        match &entry.state {
+            State::Done(handle) => return Ok(*handle),
+            State::Failed(why) => return Err(why.clone()),
+            State::Running => {
+                let message = format!("`{name}` calls itself");
+                let diagnostic = Diagnostic::error("recursion", span, message);
+                return Err(Box::new(diagnostic.with_note("GLSL has no recursion (4.60 §6.1)")));
+            }
+            State::Untouched if entry.declaration.body.is_none() => {
+                let message = format!("`{name}` is declared, but never defined");
+                return Err(Box::new(Diagnostic::error("undefined-function", span, message)));
+            }
+            State::Untouched => entry.state = State::Running,
+        }
+        let (declaration, parameters, returns) =
+            (entry.declaration.clone(), entry.parameters.clone(), entry.returns.clone());
+        let result = self.deeper(span, |this| this.body_of(&declaration, &parameters, returns));
+        let entry = &mut self.functions[index];
+        match result {
+            Ok(handle) => {
+                entry.state = State::Done(handle);
+                Ok(handle)
+            }
+            Err(why) => {
+                entry.state = State::Failed(why.clone());
+                Err(why)
+            }
+        }
+    }
+
+    fn deeper<T>(&mut self, span: Span, run: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
+        self.nesting += 1;
+        let result = if self.nesting > DEEPEST {
+            Err(refuse(span, "functions, statements and expressions nest too deep"))
+        } else {
+            run(self)
+        };
+        self.nesting -= 1;
+        result
+    }
+
+    fn body_of(
+        &mut self,
+        declaration: &FunctionDecl<'a>,
+        parameters: &[Param<'a>],
+        returns: Ty,
+    ) -> R<Handle<naga::Function>> {
+        let statements = declaration.body.as_deref().unwrap_or_default();
+        let changed = written(statements, &|name| self.writes_arguments(name));
+        let span = declaration.name.span;
+        let mut body = Body::new(self, returns.clone(), span);
+        for (index, parameter) in parameters.iter().enumerate() {
+            body.parameter(parameter, index, changed.contains(parameter.name))?;
+        }
+        if returns != Ty::Void {
+            let ty = body.cx.carrier(&returns, span)?;
+            body.function.result = Some(FunctionResult { ty, binding: None });
+        }
+        body.scoped(|body| body.statements(statements))?;
+        body.span = span;
+        if !body.dead {
+            let value = match &returns {
+                Ty::Void => None,
+                // What falls off the end of a function has no defined value (4.60 §6.4.2).
+                other => Some(body.zero(other)?.expr),
+            };
+            body.statement(Statement::Return { value });
+        }
+        let mut function = body.finish();
+        self.expressions += function.expressions.len();
+        function.name = Some(declaration.name.text.to_string());
+        Ok(self.ir.functions.append(function, self.bases.to_naga(span)))
+    }
+
+    /// Whether a function of that name may write to its arguments.
+    fn writes_arguments(&self, name: &str) -> bool {
+        if super::call::OUTPUTS.contains(&name) {
+            return true;
+        }
+        let Some(overloads) = self.function_names.get(name) else { return false };
+        let mut parameters = overloads.iter().flat_map(|&i| &self.functions[i].parameters);
+        parameters.any(|p| p.direction != Direction::In)
+    }
+}
+
+fn describe(entry: &Entry<'_>) -> Option<FunctionInfo> {
+    let State::Done(handle) = entry.state else { return None };
+    let parameters = entry.parameters.iter().map(|parameter| PublicParameter {
+        name: parameter.name.to_string(),
+        ty: parameter.ty.to_string(),
+        direction: parameter.direction,
+    });
+    Some(FunctionInfo {
+        name: entry.declaration.name.text.to_string(),
+        parameters: parameters.collect(),
+        returns: (entry.returns != Ty::Void).then(|| entry.returns.to_string()),
+        span: entry.declaration.name.span,
+        handle,
+    })
+}
+
+impl<'a> Body<'_, 'a> {
+    /// Guards recursion over the tree.
+    pub fn deeper<T>(&mut self, run: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
+        if self.cx.expressions + self.function.expressions.len() > MOST_EXPRESSIONS {
+            return self.refuse("the shader comes to too many operations");
+        }
+        self.cx.nesting += 1;
+        let result = if self.cx.nesting > DEEPEST {
+            self.refuse("functions, statements and expressions nest too deep")
+        } else {
+            run(self)
+        };
+        self.cx.nesting -= 1;
+        result
+    }
+
+    fn argument(&mut self, name: &str, ty: Handle<naga::Type>) -> (u32, Handle<Expression>) {
+        let index = self.function.arguments.len() as u32;
+        let name = (!name.is_empty()).then(|| name.to_string());
+        self.function.arguments.push(FunctionArgument { name, ty, binding: None });
+        (index, self.add(Expression::FunctionArgument(index)))
+    }
+
+    fn parameter(&mut self, parameter: &Param<'a>, index: usize, changed: bool) -> R<()> {
+        let Param { name, ty, direction, span } = parameter;
+        if *direction != Direction::In {
+            if ty.has_opaque() {
+                return self.refuse(format!("`{name}` is a handle, and cannot be written"));
+            }
+            let base = self.cx.carrier(ty, self.span)?;
+            let inner = TypeInner::Pointer { base, space: naga::AddressSpace::Function };
+            let pointer = naga::Type { name: None, inner };
+            let pointer = self.cx.ir.types.insert(pointer, naga::Span::UNDEFINED);
+            let (_, expr) = self.argument(name, pointer);
+            self.declare(name, Symbol::Place(Place::new(Mem::Own(expr), ty.clone())));
+            return Ok(());
+        }
+        let mut symbol = None;
+        if holds_values(ty) {
+            let carrier = self.cx.carrier(ty, self.span)?;
+            let outer = std::mem::replace(&mut self.span, *span);
+            let (_, expr) = self.argument(name, carrier);
+            self.span = outer;
+            let value = Val { expr, ty: ty.clone() };
+            symbol = Some(if changed {
+                let local = self.local(name, ty)?;
+                let pointer = self.local_pointer(local);
+                self.statement(Statement::Store { pointer, value: expr });
+                Symbol::Place(Place::new(Mem::Own(pointer), ty.clone()))
+            } else {
+                Symbol::Value(value)
+            });
+        }
+        if !ty.has_opaque() {
+            if let Some(symbol) = symbol {
+                self.declare(name, symbol);
+            }
+            return Ok(());
+        }
+        let root = format!("#{index}");
+        for (way, opaque) in ways(ty) {
+            let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
+            for (inner, sampler) in handle_types(self, &opaque)? {
+                let handle = naga::Type { name: None, inner };
+                let handle = self.cx.ir.types.insert(handle, naga::Span::UNDEFINED);
+                let label = if sampler { format!("{name}_sampler") } else { name.to_string() };
+                let (index, _) = self.argument(&label, handle);
+                let slot = if sampler { &mut pair.sampler } else { &mut pair.image };
+                *slot = Some(Source::Argument(index));
+            }
+            self.handles.insert(format!("{root}{way}"), pair);
+        }
+        self.declare(name, Symbol::Handles(root, ty.clone(), symbol.map(Box::new)));
+        Ok(())
+    }
+
+    /// A global variable's initialiser.
+    pub fn initialise(
+        &mut self,
+        global: usize,
+        declaration: &Declaration<'a>,
+        index: usize,
+    ) -> R<()> {
+        let Global::Variable { handle, ty, .. } = self.cx.globals[global].clone() else {
+            return Ok(());
+        };
+        let Some(init) = &declaration.names[index].init else { return Ok(()) };
+        self.span = init.span;
+        let value = self.initial(init, &ty)?;
+        let pointer = self.global_pointer(handle);
+        self.statement(Statement::Store { pointer, value: value.expr });
+        Ok(())
+    }
+}
+
+/// The types of the arguments that a handle comes as; `true` for a sampler.
+fn handle_types(body: &Body<'_, '_>, opaque: &Opaque) -> R<Vec<(TypeInner, bool)>> {
+    Ok(match opaque {
+        Opaque::Combined(image) => {
+            let sampler = TypeInner::Sampler { comparison: image.depth };
+            vec![(image_type(image), false), (sampler, true)]
+        }
+        Opaque::Texture(image) => vec![(image_type(image), false)],
+        Opaque::Sampler { comparison } => {
+            vec![(TypeInner::Sampler { comparison: *comparison }, true)]
+        }
+        Opaque::Storage(_) | Opaque::Foreign(_) => {
+            return body.refuse(format!("a `{opaque}` cannot be a parameter"));
+        }
+    })
+}

@@ -1,0 +1,451 @@
+//! What stands outside functions: types, constants, blocks, uniforms, variables.
+
+use std::rc::Rc;
+
+use naga::{Handle, MemoryDecorations, ResourceBinding};
+
+use super::ast::*;
+use super::carrier::builtin;
+use super::constant::{Const, evaluate};
+use super::host::Host;
+use super::io::Io;
+use super::types::{Field, Kind, Structure, Ty, holds_values};
+use super::{Lowerer, R, refuse};
+use landfall_layout::diagnostic::Diagnostic;
+use landfall_layout::source::{Span, Stage};
+
+/// Values in a structure at most: more are a text made to exhaust memory.
+const MOST_LEAVES: u64 = 1 << 20;
+
+/// What a global name means.
+#[derive(Clone, Debug)]
+pub enum Global<'a> {
+    /// A variable of values.
+    Variable {
+        handle: Handle<naga::GlobalVariable>,
+        ty: Ty,
+        writable: bool,
+    },
+    /// A `shared` variable that atomic functions change.
+    Shared {
+        handle: Handle<naga::GlobalVariable>,
+        host: Rc<Host>,
+    },
+    /// A block with an instance name: its memory.
+    Block(usize),
+    /// A member of a block without one, or a loose uniform.
+    Member {
+        memory: Option<usize>,
+        ty: Ty,
+    },
+    Constant {
+        ty: Ty,
+        declaration: Rc<Declaration<'a>>,
+        index: usize,
+        value: Option<Const>,
+    },
+    /// Cannot run, for that reason, if it is used.
+    Refused(Box<Diagnostic>),
+}
+
+/// The memory of a block.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    /// Its variables: one, or one an element of an array of blocks.
+    pub variables: Vec<Handle<naga::GlobalVariable>>,
+    /// Dimensions of an array of blocks.
+    pub dims: Vec<u32>,
+    pub host: Rc<Host>,
+    pub structure: Rc<Structure>,
+    pub writable: bool,
+    /// For a block of words: whether they come in fours.
+    pub fours: bool,
+}
+
+impl<'a> Lowerer<'a> {
+    /// Lowers all items but the bodies of functions.
+    pub fn items(&mut self, items: &[Item<'a>]) -> Result<(), Vec<Diagnostic>> {
+        self.reserve_bindings(items);
+        // Structures and constants first: the block of loose uniforms is made of all of them.
+        for item in items {
+            self.types_of(item);
+        }
+        for item in items {
+            match item {
+                Item::Variables(declaration) => {
+                    self.variables(declaration);
+                    Ok(())
+                }
+                Item::Block(block) => {
+                    if let Err(why) = self.block(block) {
+                        self.refuse_block(block, why);
+                    }
+                    Ok(())
+                }
+                Item::Function(function) => self.declare_function(function),
+                Item::Defaults(qualifiers) => {
+                    self.defaults(qualifiers);
+                    Ok(())
+                }
+            }
+            .map_err(|d| vec![*d])?;
+        }
+        Ok(())
+    }
+
+    fn refuse_block(&mut self, block: &BlockDecl<'a>, why: Box<Diagnostic>) {
+        let members = block.members.iter().flat_map(|m| &m.names).map(|n| n.name.text);
+        let names: Vec<&str> = match &block.instance {
+            Some(instance) => vec![instance.text],
+            None => members.collect(),
+        };
+        for name in names {
+            self.declare_global(name, Global::Refused(why.clone()));
+        }
+    }
+
+    pub fn declare_global(&mut self, name: &'a str, global: Global<'a>) {
+        self.globals.push(global);
+        self.global_names.insert(name, self.globals.len() - 1);
+    }
+
+    /// Bindings that the text gives are given to nobody else.
+    fn reserve_bindings(&mut self, items: &[Item<'a>]) {
+        for item in items {
+            let qualifiers = match item {
+                Item::Variables(declaration) => &declaration.qualifiers,
+                Item::Block(block) => &block.qualifiers,
+                Item::Function(_) | Item::Defaults(_) => continue,
+            };
+            if let Some(binding) = self.layout_number(qualifiers, "binding") {
+                let group = self.layout_number(qualifiers, "set").unwrap_or(0);
+                self.bindings.reserve(group, binding);
+            }
+        }
+    }
+
+    fn defaults(&mut self, qualifiers: &Qualifiers<'a>) {
+        for (axis, name) in ["local_size_x", "local_size_y", "local_size_z"].iter().enumerate() {
+            if let Some(size) = self.layout_number(qualifiers, name) {
+                self.workgroup_size[axis] = size.max(1);
+            }
+        }
+        self.early_fragment_tests |= qualifiers.find("early_fragment_tests").is_some();
+    }
+
+    /// A number in `layout(…)`.
+    pub fn layout_number(&self, qualifiers: &Qualifiers<'a>, name: &str) -> Option<u32> {
+        let value = qualifiers.find(name)?.value.as_ref()?;
+        u32::try_from(self.constant(value)?.integer()?).ok()
+    }
+
+    pub fn constant(&self, e: &Expr<'a>) -> Option<Const> {
+        evaluate(e, &|name| self.constant_named(name))
+    }
+
+    pub fn constant_named(&self, name: &str) -> Option<Const> {
+        match self.global_names.get(name).map(|&i| &self.globals[i]) {
+            Some(Global::Constant { value, .. }) => value.clone(),
+            Some(_) => None,
+            None => self.language_constant(name),
+        }
+    }
+
+    /// Sizes of dimensions; `None` for `[]`.
+    pub fn dims(
+        &self,
+        dims: &[Dim<'a>],
+        constant: &dyn Fn(&Expr<'a>) -> Option<Const>,
+    ) -> R<Vec<Option<u32>>> {
+        dims.iter()
+            .map(|dim| {
+                let Some(size) = &dim.size else { return Ok(None) };
+                let value = constant(size).and_then(|c| u32::try_from(c.integer()?).ok());
+                match value.filter(|&size| size > 0) {
+                    Some(size) => Ok(Some(size)),
+                    None => Err(refuse(size.span, "this is no constant size of an array")),
+                }
+            })
+            .collect()
+    }
+
+    /// `T[3] a[2]` is an array of 2 arrays of 3 (GLSL 4.60 §4.1.9).
+    pub fn arrayed(base: Ty, own: &[Option<u32>], name: &[Option<u32>]) -> Ty {
+        let dims = name.iter().chain(own);
+        dims.rev().fold(base, |ty, len| Ty::Array(Rc::new(ty), *len))
+    }
+
+    /// The type of a name of the shader's or the language's.
+    pub fn named_type(&self, name: &str, span: Span) -> R<Ty> {
+        if let Some(ty) = self.structures.get(name) {
+            return Ok(ty.clone());
+        }
+        if let Some(why) = self.broken.get(name) {
+            return Err(why.clone());
+        }
+        builtin(name).ok_or_else(|| refuse(span, format!("`{name}` is no type that can run")))
+    }
+
+    pub fn global_structure(&self, name: &str) -> Option<&Ty> {
+        self.structures.get(name)
+    }
+
+    pub fn global_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> R<Ty> {
+        let base = match &spec.base {
+            TypeBase::Name(name) => self.named_type(name, spec.span)?,
+            TypeBase::Struct(declaration) => {
+                // `struct S { … } a, b;` declares it once.
+                let at = (declaration.name.span.file, declaration.name.span.start);
+                match self.structures_at.get(&at) {
+                    Some(known) => Ty::Struct(known.clone()),
+                    None => self.structure(declaration)?,
+                }
+            }
+        };
+        let own = self.dims(&spec.dims, &|e| self.constant(e))?;
+        let name = self.dims(dims, &|e| self.constant(e))?;
+        Ok(Self::arrayed(base, &own, &name))
+    }
+
+    /// Declares a structure; it is known by its name outside functions.
+    fn structure(&mut self, declaration: &StructDecl<'a>) -> R<Ty> {
+        let ty = self.make_structure(declaration)?;
+        if !declaration.name.text.is_empty() {
+            self.structures.insert(declaration.name.text, ty.clone());
+        }
+        Ok(ty)
+    }
+
+    pub fn make_structure(&mut self, declaration: &StructDecl<'a>) -> R<Ty> {
+        let mut members = Vec::new();
+        for member in &declaration.members {
+            for declarator in &member.names {
+                let ty = self.global_type(&member.ty, &declarator.dims)?;
+                let name = declarator.name.text.to_string();
+                members.push(Field { name, ty });
+            }
+        }
+        let structure = self.new_structure(declaration.name.text, members);
+        if structure.leaves > MOST_LEAVES {
+            let message = format!("`{}` has more than {MOST_LEAVES} values in it", structure.name);
+            return Err(refuse(declaration.name.span, message));
+        }
+        let at = (declaration.name.span.file, declaration.name.span.start);
+        self.structures_at.insert(at, structure.clone());
+        Ok(Ty::Struct(structure))
+    }
+
+    pub fn new_structure(&mut self, name: &str, members: Vec<Field>) -> Rc<Structure> {
+        let id = self.next_structure;
+        self.next_structure += 1;
+        let opaque = members.iter().any(|member| member.ty.has_opaque());
+        let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+        Rc::new(Structure { id, name: name.to_string(), members, opaque, leaves })
+    }
+
+    /// The structure that the layout means.
+    pub fn structure_of(&self, s: &landfall_layout::shape::Struct) -> Option<Rc<Structure>> {
+        self.structures_at.get(&(s.span.file, s.span.start)).cloned()
+    }
+
+    /// What is wrong with a type is said where it is used.
+    fn types_of(&mut self, item: &Item<'a>) {
+        match item {
+            Item::Variables(declaration) => {
+                if let TypeBase::Struct(structure) = &declaration.ty.base {
+                    self.declare_structure(structure);
+                }
+                if declaration.qualifiers.storage == Storage::Const {
+                    self.all_variables(declaration);
+                }
+            }
+            Item::Block(block) => {
+                for member in &block.members {
+                    if let TypeBase::Struct(structure) = &member.ty.base {
+                        self.declare_structure(structure);
+                    }
+                }
+            }
+            Item::Function(_) | Item::Defaults(_) => {}
+        }
+    }
+
+    fn declare_structure(&mut self, declaration: &StructDecl<'a>) {
+        if let Err(why) = self.structure(declaration) {
+            self.broken.insert(declaration.name.text, why);
+        }
+    }
+
+    fn variables(&mut self, declaration: &Rc<Declaration<'a>>) {
+        if declaration.qualifiers.storage != Storage::Const {
+            self.all_variables(declaration);
+        }
+    }
+
+    fn all_variables(&mut self, declaration: &Rc<Declaration<'a>>) {
+        for (index, declarator) in declaration.names.iter().enumerate() {
+            let name = declarator.name;
+            if name.text.starts_with("gl_") {
+                // What the language declares is declared again: with a size, or a qualifier.
+                self.redeclared(declarator);
+                continue;
+            }
+            if let Err(why) = self.variable(declaration, index) {
+                self.declare_global(name.text, Global::Refused(why));
+            }
+        }
+    }
+
+    fn variable(&mut self, declaration: &Rc<Declaration<'a>>, index: usize) -> R<()> {
+        let declarator = &declaration.names[index];
+        let name = declarator.name;
+        let mut ty = self.global_type(&declaration.ty, &declarator.dims)?;
+        if let Some(init) = &declarator.init {
+            let scope: &Lowerer<'a> = self;
+            ty = super::construct::sized_by(ty, init, &|e| scope.constant(e));
+        }
+        let qualifiers = &declaration.qualifiers;
+        match qualifiers.storage {
+            Storage::Const => {
+                let Some(init) = &declarator.init else {
+                    return Err(refuse(name.span, format!("`{}` has no value", name.text)));
+                };
+                let value = match self.override_of(qualifiers, name.text, &ty) {
+                    Some(value) => Some(value),
+                    None => self.constant_value(init, &ty),
+                };
+                let declaration = declaration.clone();
+                self.declare_global(name.text, Global::Constant { ty, declaration, index, value });
+                Ok(())
+            }
+            Storage::Uniform => self.loose_uniform(qualifiers, name, ty),
+            Storage::In | Storage::Out => {
+                let output = qualifiers.storage == Storage::Out;
+                if matches!(self.stage, Some(Stage::Compute)) {
+                    return Err(refuse(name.span, "a compute shader has no inputs or outputs"));
+                }
+                let handle = self.private(name.text, &ty, name.span)?;
+                let location = self.layout_number(qualifiers, "location");
+                let blend = self.layout_number(qualifiers, "index");
+                self.io.push(
+                    Io::new(name.text, handle, ty.clone(), qualifiers, output)
+                        .at(location, blend, name.span),
+                );
+                self.declare_global(name.text, Global::Variable { handle, ty, writable: output });
+                Ok(())
+            }
+            Storage::Shared => self.shared(name, ty),
+            Storage::Plain => {
+                let handle = self.private(name.text, &ty, name.span)?;
+                self.declare_global(name.text, Global::Variable { handle, ty, writable: true });
+                if declarator.init.is_some() {
+                    let global = self.globals.len() - 1;
+                    self.initialisers.push((global, declaration.clone(), index));
+                }
+                Ok(())
+            }
+            Storage::InOut | Storage::Buffer | Storage::Foreign => {
+                let message =
+                    format!("`{}` has storage that naga has no counterpart for", name.text);
+                Err(refuse(name.span, message))
+            }
+        }
+    }
+
+    pub fn private(&mut self, name: &str, ty: &Ty, span: Span) -> R<Handle<naga::GlobalVariable>> {
+        let ty = self.carrier(ty, span)?;
+        Ok(self.variable_in(naga::AddressSpace::Private, name, ty, None, span))
+    }
+
+    pub fn variable_in(
+        &mut self,
+        space: naga::AddressSpace,
+        name: &str,
+        ty: Handle<naga::Type>,
+        at: Option<(u32, u32)>,
+        span: Span,
+    ) -> Handle<naga::GlobalVariable> {
+        let variable = naga::GlobalVariable {
+            name: Some(name.to_string()),
+            space,
+            binding: at.map(|(group, binding)| ResourceBinding { group, binding }),
+            ty,
+            init: None,
+            memory_decorations: MemoryDecorations::empty(),
+        };
+        self.ir.global_variables.append(variable, self.bases.to_naga(span))
+    }
+
+    fn shared(&mut self, name: Name<'a>, ty: Ty) -> R<()> {
+        let space = naga::AddressSpace::WorkGroup;
+        let touched = self.atomics.contains(name.text)
+            || matches!(&ty, Ty::Struct(s) if s.members.iter().any(|f| self.atomics.contains(&*f.name)));
+        if touched {
+            let host = self.host_of_shared(&ty).ok_or_else(|| {
+                refuse(
+                    name.span,
+                    format!("`{}` is changed by atomic functions as a whole", name.text),
+                )
+            })?;
+            let naga = host.naga.expect("shared variables have naga types");
+            let handle = self.variable_in(space, name.text, naga, None, name.span);
+            self.declare_global(name.text, Global::Shared { handle, host });
+            return Ok(());
+        }
+        let carrier = self.carrier(&ty, name.span)?;
+        let handle = self.variable_in(space, name.text, carrier, None, name.span);
+        self.declare_global(name.text, Global::Variable { handle, ty, writable: true });
+        Ok(())
+    }
+
+    /// The whole value of a constant, where it is a number that need not be computed in floats.
+    pub fn constant_value(&self, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
+        let value = self.constant(init)?;
+        Self::settled(value, init, ty)
+    }
+
+    pub fn settled(value: Const, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
+        match ty {
+            Ty::Scalar(Kind::Float) if !matches!(init.kind, ExprKind::Number(_)) => None,
+            Ty::Scalar(Kind::Double | Kind::Half) => None,
+            Ty::Scalar(kind) => value.to(*kind),
+            Ty::Vector(Kind::Int | Kind::Uint, _) | Ty::Array(..) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// What `-O` says of a specialisation constant.
+    fn override_of(&self, qualifiers: &Qualifiers<'a>, name: &str, ty: &Ty) -> Option<Const> {
+        let id = self.layout_number(qualifiers, "constant_id")?.to_string();
+        let given = self.overrides.iter().rev().find(|(key, _)| *key == name || *key == id)?;
+        let text = given.1.trim();
+        let value = match text {
+            "true" => Const::Bool(true),
+            "false" => Const::Bool(false),
+            _ => match text.parse::<i64>() {
+                Ok(whole) => Const::Int(whole as i32),
+                Err(_) => Const::Float(text.parse().ok()?),
+            },
+        };
+        value.to(ty.kind()?)
+    }
+
+    /// A loose uniform: handles become globals, the rest is a member of the default block.
+    fn loose_uniform(&mut self, qualifiers: &Qualifiers<'a>, name: Name<'a>, ty: Ty) -> R<()> {
+        if qualifiers.subroutine {
+            return Err(refuse(name.span, "subroutines cannot run"));
+        }
+        self.declare_handles(name.text, &ty, qualifiers, name.span)?;
+        let memory = if holds_values(&ty) { Some(self.default_block(name)?) } else { None };
+        let ty = match memory {
+            // An array without a size has the one its layout found.
+            Some(memory) => {
+                let fields = &self.memories[memory].structure.members;
+                fields.iter().find(|f| f.name == name.text).map_or(ty, |f| f.ty.clone())
+            }
+            None => ty,
+        };
+        self.declare_global(name.text, Global::Member { memory, ty });
+        Ok(())
+    }
+}

@@ -1,0 +1,397 @@
+//! The entry point: inputs in, `main`, outputs out.
+//!
+//! Inputs and outputs are private variables; structures, arrays and matrices among them are
+//! taken apart into the scalars and vectors that have locations.
+
+use naga::{
+    Binding, BuiltIn, EarlyDepthTest, EntryPoint, Expression, FunctionArgument, FunctionResult,
+    Handle, Interpolation, Sampling, ShaderStage, Statement, StructMember,
+};
+use rustc_hash::FxHashSet;
+
+use super::ast::Qualifiers;
+use super::body::{Body, Val};
+use super::place::{Index, Mem, Place};
+use super::types::{Kind, Ty};
+use super::{Lowerer, R, refuse};
+use crate::module::{EntryInterface, Inputs};
+use crate::reach;
+pub use landfall_layout::source::{Runs, Span, Stage};
+pub use landfall_layout::syntax::glsl::lexer::Token;
+
+/// Inputs or outputs of one shader at most.
+const MOST_LOCATIONS: u32 = 1024;
+
+/// An input or output.
+#[derive(Clone, Debug)]
+pub struct Io {
+    pub name: String,
+    pub variable: Handle<naga::GlobalVariable>,
+    /// For a member of an interface block with an instance name.
+    pub member: Option<u32>,
+    pub ty: Ty,
+    pub output: bool,
+    pub location: Option<u32>,
+    /// `index = 1`: the second colour of a blend.
+    pub blend: Option<u32>,
+    /// What it is, when it is the language's own.
+    pub binding: Option<Binding>,
+    flat: bool,
+    noperspective: bool,
+    centroid: bool,
+    sample: bool,
+    span: Span,
+}
+
+impl Io {
+    pub fn new(
+        name: &str,
+        variable: Handle<naga::GlobalVariable>,
+        ty: Ty,
+        qualifiers: &Qualifiers<'_>,
+        output: bool,
+    ) -> Io {
+        Io {
+            name: name.to_string(),
+            variable,
+            member: None,
+            ty,
+            output,
+            location: None,
+            blend: None,
+            binding: None,
+            flat: qualifiers.flat,
+            noperspective: qualifiers.noperspective,
+            centroid: qualifiers.centroid,
+            sample: qualifiers.sample,
+            span: Span::default(),
+        }
+    }
+
+    /// With the qualifiers of its block besides its own.
+    pub fn also(mut self, qualifiers: &Qualifiers<'_>) -> Io {
+        self.flat |= qualifiers.flat;
+        self.noperspective |= qualifiers.noperspective;
+        self.centroid |= qualifiers.centroid;
+        self.sample |= qualifiers.sample;
+        self
+    }
+
+    pub fn at(self, location: Option<u32>, blend: Option<u32>, span: Span) -> Io {
+        Io { location, blend, span, ..self }
+    }
+
+    /// What the language declares itself.
+    pub fn is(self, builtin: BuiltIn) -> Io {
+        Io { binding: Some(Binding::BuiltIn(builtin)), ..self }
+    }
+
+    pub fn member(self, member: u32) -> Io {
+        Io { member: Some(member), ..self }
+    }
+}
+
+/// Locations a type takes (GLSL 4.60 §4.4.1).
+pub fn locations(ty: &Ty) -> u32 {
+    match ty {
+        Ty::Matrix(_, columns, _) => (*columns).into(),
+        Ty::Array(element, len) => locations(element).saturating_mul(len.unwrap_or(1)),
+        Ty::Struct(s) => {
+            s.members.iter().fold(0u32, |sum, field| sum.saturating_add(locations(&field.ty)))
+        }
+        Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Opaque(_) => 1,
+    }
+}
+
+/// The stage a text without one is for, by the language's own variables in it.
+pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
+    tokens.iter().find_map(|token| match token.text {
+        "gl_Position" | "gl_VertexID" | "gl_VertexIndex" | "gl_Vertex" => Some(Stage::Vertex),
+        "gl_FragColor" | "gl_FragCoord" | "gl_FragDepth" | "gl_FragData" | "discard" | "dFdx"
+        | "fwidth" => Some(Stage::Fragment),
+        "local_size_x" | "gl_GlobalInvocationID" | "gl_LocalInvocationID" => Some(Stage::Compute),
+        _ => None,
+    })
+}
+
+/// Refuses stages that cannot run, by name.
+pub fn check_stage(stage: Option<Stage>) -> R<()> {
+    match stage {
+        Some(other) if Runs::of(other).is_none() => {
+            let message = format!("a {} shader cannot run", other.name());
+            let diagnostic = refuse(Span::default(), message);
+            Err(Box::new(diagnostic.with_note("vertex, fragment and compute shaders can")))
+        }
+        Some(_) | None => Ok(()),
+    }
+}
+
+/// A scalar or vector of an input or output.
+struct Slot {
+    io: usize,
+    path: Vec<u32>,
+    ty: Ty,
+    location: u32,
+    name: String,
+}
+
+impl Lowerer<'_> {
+    /// Makes the entry point of `main`, if there is one.
+    pub fn entry_point(&mut self) -> R<(Vec<EntryInterface>, Vec<EntryInterface>)> {
+        let Some(main) = self.main_function() else { return Ok((Vec::new(), Vec::new())) };
+        let stage = match self.stage {
+            Some(Stage::Vertex) => ShaderStage::Vertex,
+            Some(Stage::Compute) => ShaderStage::Compute,
+            Some(_) => ShaderStage::Fragment,
+            None => {
+                return Err(refuse(Span::default(), "nothing says which stage this shader is for"));
+            }
+        };
+        if stage == ShaderStage::Vertex {
+            // naga wants it whether the shader writes it or not.
+            self.predeclared("gl_Position", Span::default())?;
+        }
+        let (mut inputs, mut outputs) = (self.slots(false)?, self.slots(true)?);
+        let initialisers = std::mem::take(&mut self.initialisers);
+        if initialisers.is_empty() {
+            let reached = reach::variables(&self.ir, &self.ir.functions[main]);
+            let position =
+                |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
+            let all = self.ir.functions.iter();
+            let of_any: FxHashSet<_> = match self.wanted_inputs {
+                Inputs::OfMain => reached.clone(),
+                Inputs::OfAny => all.flat_map(|(_, function)| reach::named(function)).collect(),
+            };
+            inputs.retain(|slot| of_any.contains(&self.io[slot.io].variable));
+            outputs.retain(|slot| {
+                let io = &self.io[slot.io];
+                reached.contains(&io.variable) || position(io)
+            });
+        }
+        let workgroup_size = match stage {
+            ShaderStage::Compute => self.workgroup_size,
+            _ => [0; 3],
+        };
+        let early_depth_test = (self.early_fragment_tests && stage == ShaderStage::Fragment)
+            .then_some(EarlyDepthTest::Force);
+        let mut body = Body::new(self, Ty::Void, Span::default());
+        for slot in &inputs {
+            body.input(slot, stage)?;
+        }
+        for (global, declaration, index) in initialisers {
+            body.initialise(global, &declaration, index)?;
+        }
+        body.statement(Statement::Call { function: main, arguments: Vec::new(), result: None });
+        body.outputs(&outputs, stage)?;
+        let mut function = body.finish();
+        function.name = Some("main".to_string());
+        self.ir.entry_points.push(EntryPoint {
+            name: "main".to_string(),
+            stage,
+            early_depth_test,
+            workgroup_size,
+            workgroup_size_overrides: None,
+            function,
+            mesh_info: None,
+            task_payload: None,
+            incoming_ray_payload: None,
+        });
+        let interface = |slots: &[Slot], all: &[Io]| {
+            let slots = slots.iter().filter(|slot| all[slot.io].binding.is_none());
+            let entry = |slot: &Slot| {
+                let (name, location) = (slot.name.clone(), slot.location);
+                EntryInterface { name, location, variable: all[slot.io].variable }
+            };
+            slots.map(entry).collect()
+        };
+        Ok((interface(&inputs, &self.io), interface(&outputs, &self.io)))
+    }
+
+    /// Every scalar and vector that goes in or out, with its location.
+    fn slots(&self, output: bool) -> R<Vec<Slot>> {
+        let all = || self.io.iter().enumerate().filter(|(_, io)| io.output == output);
+        let mut taken = FxHashSet::default();
+        for (_, io) in all() {
+            let Some(location) = io.location else { continue };
+            let past = location.saturating_add(locations(&io.ty)).min(MOST_LOCATIONS);
+            taken.extend(location..past);
+        }
+        let mut given = FxHashSet::default();
+        let mut slots = Vec::new();
+        for (index, io) in all() {
+            if io.binding.is_some() {
+                let (ty, name) = (io.ty.clone(), io.name.clone());
+                slots.push(Slot { io: index, path: Vec::new(), ty, location: 0, name });
+                continue;
+            }
+            let count = locations(&io.ty);
+            // Two that share a location by `component` have one each here.
+            let own = io.location.filter(|l| {
+                io.blend == Some(1) || (*l..l.saturating_add(count)).all(|l| !given.contains(&l))
+            });
+            let first = own.or_else(|| {
+                (0..MOST_LOCATIONS).find(|first| {
+                    (*first..first + count).all(|l| !taken.contains(&l) && !given.contains(&l))
+                })
+            });
+            let Some(first) = first.filter(|first| first.saturating_add(count) <= MOST_LOCATIONS)
+            else {
+                let message = format!("`{}` takes more than {MOST_LOCATIONS} locations", io.name);
+                return Err(refuse(io.span, message));
+            };
+            given.extend(first..first + count);
+            let mut next = first;
+            flatten(index, &io.ty, Vec::new(), io.name.clone(), &mut next, &mut slots);
+        }
+        Ok(slots)
+    }
+}
+
+fn flatten(
+    io: usize,
+    ty: &Ty,
+    path: Vec<u32>,
+    name: String,
+    next: &mut u32,
+    slots: &mut Vec<Slot>,
+) {
+    let deeper = |i: u32| {
+        let mut path = path.clone();
+        path.push(i);
+        path
+    };
+    match ty {
+        Ty::Array(element, len) => {
+            for i in 0..len.unwrap_or(0) {
+                flatten(io, element, deeper(i), format!("{name}[{i}]"), next, slots);
+            }
+        }
+        Ty::Struct(s) => {
+            for (i, field) in s.members.iter().enumerate() {
+                let name = format!("{name}.{}", field.name);
+                flatten(io, &field.ty, deeper(i as u32), name, next, slots);
+            }
+        }
+        Ty::Matrix(kind, columns, rows) => {
+            for i in 0..*columns {
+                let ty = Ty::Vector(*kind, *rows);
+                flatten(io, &ty, deeper(i.into()), format!("{name}[{i}]"), next, slots);
+            }
+        }
+        Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Opaque(_) => {
+            slots.push(Slot { io, path, ty: ty.clone(), location: *next, name });
+            *next += 1;
+        }
+    }
+}
+
+impl Body<'_, '_> {
+    /// The binding of a slot, and the type naga wants there.
+    fn bound(&mut self, slot: &Slot, stage: ShaderStage) -> R<(Binding, Handle<naga::Type>, Ty)> {
+        let io = self.cx.io[slot.io].clone();
+        if let Some(binding) = io.binding {
+            // naga's counterparts of whole numbers are all unsigned.
+            let ty = match &slot.ty {
+                Ty::Array(element, _) if **element == Ty::INT => Ty::UINT,
+                Ty::Scalar(Kind::Int) => Ty::UINT,
+                other => other.clone(),
+            };
+            return Ok((binding, self.cx.carrier(&ty, io.span)?, ty));
+        }
+        let varies = (stage == ShaderStage::Vertex) == io.output;
+        let float = slot.ty.kind().is_some_and(Kind::is_float);
+        let (interpolation, sampling) = match (varies, io.flat || !float, io.noperspective) {
+            (false, ..) => (None, None),
+            (true, true, _) => (Some(Interpolation::Flat), Some(Sampling::First)),
+            (true, false, linear) => {
+                let sampling = match (io.centroid, io.sample) {
+                    (true, _) => Sampling::Centroid,
+                    (_, true) => Sampling::Sample,
+                    _ => Sampling::Center,
+                };
+                let linear =
+                    if linear { Interpolation::Linear } else { Interpolation::Perspective };
+                (Some(linear), Some(sampling))
+            }
+        };
+        let dual = self.cx.io.iter().any(|io| io.blend == Some(1));
+        let blends = io.output && stage == ShaderStage::Fragment && slot.location == 0 && dual;
+        let binding = Binding::Location {
+            location: slot.location,
+            interpolation,
+            sampling,
+            blend_src: blends.then(|| io.blend.unwrap_or(0)),
+            per_primitive: false,
+        };
+        Ok((binding, self.cx.carrier(&slot.ty, io.span)?, slot.ty.clone()))
+    }
+
+    /// The private variable of a slot, or the part of it.
+    fn slot_place(&mut self, slot: &Slot) -> R<Place> {
+        let io = self.cx.io[slot.io].clone();
+        let mut pointer = self.global_pointer(io.variable);
+        if let Some(member) = io.member {
+            pointer = self.part(pointer, member);
+        }
+        let mut ty = io.ty.clone();
+        for &i in &slot.path {
+            pointer = self.part(pointer, i);
+            ty = match &ty {
+                Ty::Struct(s) => s.members[i as usize].ty.clone(),
+                other => match other.indexed() {
+                    Some((element, _)) => element,
+                    None => return self.refuse("an input has no such part"),
+                },
+            };
+        }
+        Ok(Place::new(Mem::Own(pointer), ty))
+    }
+
+    fn input(&mut self, slot: &Slot, stage: ShaderStage) -> R<()> {
+        let (binding, handle, given) = self.bound(slot, stage)?;
+        let index = self.function.arguments.len() as u32;
+        let name = Some(slot.name.replace(['.', '[', ']'], "_"));
+        let binding = Some(binding);
+        self.function.arguments.push(FunctionArgument { name, ty: handle, binding });
+        let expr = self.add(Expression::FunctionArgument(index));
+        let mut place = self.slot_place(slot)?;
+        if let (Ty::Array(..), Ty::Scalar(_)) = (&place.ty, &given) {
+            place = self.element_of(&place, Index::Fixed(0))?;
+        }
+        let value = self.convert(&Val { expr, ty: given }, &place.ty)?;
+        self.store(&place, &value)
+    }
+
+    fn outputs(&mut self, slots: &[Slot], stage: ShaderStage) -> R<()> {
+        let mut members = Vec::new();
+        let mut values = Vec::new();
+        let mut offset = 0u32;
+        for slot in slots {
+            let (binding, handle, wanted) = self.bound(slot, stage)?;
+            let mut place = self.slot_place(slot)?;
+            if let (Ty::Array(..), Ty::Scalar(_)) = (&place.ty, &wanted) {
+                place = self.element_of(&place, Index::Fixed(0))?;
+            }
+            let value = self.load(&place)?;
+            values.push(self.convert(&value, &wanted)?.expr);
+            let name = Some(slot.name.replace(['.', '[', ']'], "_"));
+            members.push(StructMember { name, ty: handle, binding: Some(binding), offset });
+            let size = match &slot.ty {
+                Ty::Array(_, len) => len.unwrap_or(1).saturating_mul(16),
+                _ => 16,
+            };
+            offset += size;
+        }
+        if members.is_empty() {
+            self.statement(Statement::Return { value: None });
+            return Ok(());
+        }
+        let inner = naga::TypeInner::Struct { members, span: offset };
+        let name = Some("Outputs".to_string());
+        let ty = self.cx.ir.types.insert(naga::Type { name, inner }, naga::Span::UNDEFINED);
+        self.function.result = Some(FunctionResult { ty, binding: None });
+        let value = self.add(Expression::Compose { ty, components: values });
+        self.statement(Statement::Return { value: Some(value) });
+        Ok(())
+    }
+}

@@ -1,0 +1,401 @@
+//! Handles: samplers, textures and images as the globals naga binds.
+//!
+//! `uniform sampler2D t` is a texture and a sampler; arrays of them, and those in structures, are
+//! one of each an element. A handle is found by its way from a name: `materials[2].diffuse`.
+
+use std::num::NonZeroU32;
+
+use naga::{Expression, Handle, ImageClass, StorageAccess, StorageFormat, TypeInner};
+
+use super::ast::Qualifiers;
+use super::body::{Body, Val};
+use super::place::Way;
+use super::types::{Image, Kind, Opaque, Ty};
+use super::{Help, Lowerer, R, refuse};
+use crate::module::{HandleKind, ModuleHandle};
+use landfall_layout::source::Span;
+
+/// Handles of one shader at most: each element of an array is one.
+const MOST_HANDLES: usize = 4096;
+
+/// Arrays of more handles than this are bound as one, and not chosen from by a `switch`.
+const MOST_SWITCHED: u32 = 64;
+
+/// An array of handles that is bound as one: its size, if it has one.
+#[derive(Clone, Copy)]
+struct Many {
+    len: Option<u32>,
+}
+
+/// What stands for a handle in the module.
+#[derive(Clone, Debug)]
+pub struct HandlePair {
+    pub opaque: Opaque,
+    pub image: Option<Source>,
+    pub sampler: Option<Source>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum Source {
+    Global(Handle<naga::GlobalVariable>),
+    /// All handles of an array that naga binds as one.
+    Array(Handle<naga::GlobalVariable>),
+    Element(Handle<naga::GlobalVariable>, Handle<Expression>),
+    Argument(u32),
+}
+
+/// A handle as an expression names it.
+#[derive(Clone, Debug)]
+pub enum Chosen {
+    /// By its way.
+    At(Way, Ty),
+    /// `sampler2D(texture, sampler)`.
+    Joined(Opaque, Box<[Chosen; 2]>),
+}
+
+/// Every handle in a type, by its way from a value of it.
+pub fn ways(ty: &Ty) -> Vec<(String, Opaque)> {
+    let mut found = Vec::new();
+    collect(ty, String::new(), &mut found);
+    found
+}
+
+fn collect(ty: &Ty, way: String, found: &mut Vec<(String, Opaque)>) {
+    if found.len() > MOST_HANDLES {
+        return;
+    }
+    match ty {
+        Ty::Opaque(opaque) => found.push((way, opaque.clone())),
+        Ty::Array(element, len) if element.has_opaque() => {
+            for i in 0..len.unwrap_or(0) {
+                collect(element, format!("{way}[{i}]"), found);
+                if found.len() > MOST_HANDLES {
+                    return;
+                }
+            }
+        }
+        Ty::Struct(s) if s.opaque => {
+            for field in &s.members {
+                collect(&field.ty, format!("{way}.{}", field.name), found);
+            }
+        }
+        Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Matrix(..) => {}
+        Ty::Array(..) | Ty::Struct(_) => {}
+    }
+}
+
+impl<'a> Lowerer<'a> {
+    /// Makes globals of all handles of a uniform.
+    pub fn declare_handles(
+        &mut self,
+        name: &str,
+        ty: &Ty,
+        qualifiers: &Qualifiers<'a>,
+        span: Span,
+    ) -> R<()> {
+        if let Ty::Array(element, len) = ty {
+            let bound = len.is_none_or(|len| len > MOST_SWITCHED);
+            if let (Ty::Opaque(opaque), true) = (&**element, bound) {
+                let group = self.layout_number(qualifiers, "set").unwrap_or(0);
+                let wanted = self.layout_number(qualifiers, "binding");
+                let at = self.bindings.claim(group, wanted);
+                let (opaque, many) = (opaque.clone(), Some(Many { len: *len }));
+                let pair = self.declare_handle(name, opaque, qualifiers, at, span, many)?;
+                self.handles.insert(format!("{name}[?]"), pair);
+                return Ok(());
+            }
+            if len.is_none() && element.has_opaque() {
+                return Err(refuse(
+                    span,
+                    format!("`{name}` is an array of handles without a size"),
+                )
+                .help("write the number of elements between the brackets"));
+            }
+        }
+        let found = ways(ty);
+        if self.handles.len() + found.len() > MOST_HANDLES {
+            return Err(refuse(span, format!("the shader has more than {MOST_HANDLES} handles")));
+        }
+        let group = self.layout_number(qualifiers, "set").unwrap_or(0);
+        let mut binding = self.layout_number(qualifiers, "binding");
+        for (way, opaque) in found {
+            let path = format!("{name}{way}");
+            let place = self.bindings.claim(group, binding.take());
+            let pair = self.declare_handle(&path, opaque, qualifiers, place, span, None)?;
+            self.handles.insert(path, pair);
+        }
+        Ok(())
+    }
+
+    fn declare_handle(
+        &mut self,
+        path: &str,
+        opaque: Opaque,
+        qualifiers: &Qualifiers<'a>,
+        at: (u32, u32),
+        span: Span,
+        many: Option<Many>,
+    ) -> R<HandlePair> {
+        let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
+        let global = |this: &mut Self, kind: HandleKind, at: (u32, u32), inner: TypeInner| {
+            let naga_span = this.naga_span(span);
+            let mut ty =
+                this.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED);
+            if let Some(Many { len }) = many {
+                let size = match len.and_then(NonZeroU32::new) {
+                    Some(len) => naga::ArraySize::Constant(len),
+                    None => naga::ArraySize::Dynamic,
+                };
+                let array = TypeInner::BindingArray { base: ty, size };
+                let array = naga::Type { name: None, inner: array };
+                ty = this.ir.types.insert(array, naga::Span::UNDEFINED);
+            }
+            let name = match (kind, &opaque) {
+                (HandleKind::Sampler, Opaque::Combined(_)) => format!("{path}_sampler"),
+                _ => path.to_string(),
+            };
+            let variable = naga::GlobalVariable {
+                name: Some(name.replace(['.', '[', ']'], "_")),
+                space: naga::AddressSpace::Handle,
+                binding: Some(naga::ResourceBinding { group: at.0, binding: at.1 }),
+                ty,
+                init: None,
+                memory_decorations: naga::MemoryDecorations::empty(),
+            };
+            let variable = this.ir.global_variables.append(variable, naga_span);
+            let path = path.to_string();
+            let (group, binding) = at;
+            this.module_handles.push(ModuleHandle { path, group, binding, kind, variable });
+            match many {
+                Some(_) => Source::Array(variable),
+                None => Source::Global(variable),
+            }
+        };
+        match &opaque {
+            Opaque::Combined(image) => {
+                let inner = image_type(image);
+                pair.image = Some(global(self, HandleKind::Texture, at, inner));
+                let at = self.bindings.claim(at.0, None);
+                let inner = TypeInner::Sampler { comparison: image.depth };
+                pair.sampler = Some(global(self, HandleKind::Sampler, at, inner));
+            }
+            Opaque::Texture(image) => {
+                pair.image = Some(global(self, HandleKind::Texture, at, image_type(image)));
+            }
+            Opaque::Sampler { comparison } => {
+                let inner = TypeInner::Sampler { comparison: *comparison };
+                pair.sampler = Some(global(self, HandleKind::Sampler, at, inner));
+            }
+            Opaque::Storage(image) => {
+                let inner = self.storage_type(path, image, qualifiers, span)?;
+                pair.image = Some(global(self, HandleKind::Image, at, inner));
+            }
+            Opaque::Foreign(name) => {
+                let message = format!("`{path}` is a `{name}`, which naga has no counterpart for");
+                return Err(refuse(span, message));
+            }
+        }
+        Ok(pair)
+    }
+
+    fn storage_type(
+        &self,
+        path: &str,
+        image: &Image,
+        qualifiers: &Qualifiers<'a>,
+        span: Span,
+    ) -> R<TypeInner> {
+        let written = qualifiers.layout.iter().find_map(|id| storage_format(id.name.text));
+        let format = written.or(match (qualifiers.writeonly, image.kind) {
+            // What a store without a format writes is the image's own affair.
+            (true, Kind::Int) => Some(StorageFormat::Rgba32Sint),
+            (true, Kind::Uint) => Some(StorageFormat::Rgba32Uint),
+            (true, _) => Some(StorageFormat::Rgba32Float),
+            (false, _) => None,
+        });
+        let Some(format) = format else {
+            let message = format!("image `{path}` has no format naga knows");
+            return Err(refuse(span, message).help("write one, such as `layout(rgba32f)`"));
+        };
+        let mut access = StorageAccess::LOAD | StorageAccess::STORE;
+        if qualifiers.readonly {
+            access = StorageAccess::LOAD;
+        } else if qualifiers.writeonly {
+            access = StorageAccess::STORE;
+        }
+        if self.atomics.contains(path) {
+            access = StorageAccess::LOAD | StorageAccess::STORE | StorageAccess::ATOMIC;
+        }
+        let class = ImageClass::Storage { format, access };
+        Ok(TypeInner::Image { dim: image.dim, arrayed: image.arrayed, class })
+    }
+}
+
+pub fn image_type(image: &Image) -> TypeInner {
+    let class = if image.depth {
+        ImageClass::Depth { multi: image.multi }
+    } else {
+        ImageClass::Sampled { kind: image.kind.scalar().kind, multi: image.multi }
+    };
+    TypeInner::Image { dim: image.dim, arrayed: image.arrayed, class }
+}
+
+impl Body<'_, '_> {
+    /// The handle of a way without a variable index.
+    pub fn handle(&self, way: &str) -> R<HandlePair> {
+        let found = self.handles.get(way).or_else(|| self.cx.handles.get(way));
+        match found.cloned() {
+            Some(pair) => Ok(pair),
+            None => self
+                .refuse(format!("`{}` is no handle of this shader", way.trim_start_matches('#'))),
+        }
+    }
+
+    /// The array that naga binds as one in which a way ends: `textures[3]`.
+    fn bound_array(&self, way: &str) -> Option<(HandlePair, u32)> {
+        let (name, index) = way.strip_suffix(']')?.rsplit_once('[')?;
+        let array = self.cx.handles.get(&format!("{name}[?]"))?.clone();
+        Some((array, index.parse().ok()?))
+    }
+
+    pub fn source(&mut self, source: Option<Source>) -> R<Handle<Expression>> {
+        match source {
+            Some(Source::Global(global)) => Ok(self.global_pointer(global)),
+            Some(Source::Array(_)) => self.refuse("an array of handles is used without an index"),
+            Some(Source::Element(global, index)) => {
+                let base = self.global_pointer(global);
+                Ok(self.add(Expression::Access { base, index }))
+            }
+            Some(Source::Argument(index)) => Ok(self.add(Expression::FunctionArgument(index))),
+            None => self.refuse("a texture and a sampler are wanted here, together"),
+        }
+    }
+
+    /// Runs `with` for the handle that is chosen; for one of several, in a `switch` over them.
+    pub fn with_handle(
+        &mut self,
+        chosen: &Chosen,
+        ty: &Ty,
+        mut with: impl FnMut(&mut Self, &HandlePair) -> R<Val>,
+    ) -> R<Val> {
+        self.chosen_handle(chosen, ty, &mut with)
+    }
+
+    fn chosen_handle(
+        &mut self,
+        chosen: &Chosen,
+        ty: &Ty,
+        with: &mut dyn FnMut(&mut Self, &HandlePair) -> R<Val>,
+    ) -> R<Val> {
+        let (way, index, len) = match chosen {
+            Chosen::Joined(opaque, parts) => {
+                let [texture, sampler] = &**parts;
+                return self.chosen_handle(texture, ty, &mut |this, texture| {
+                    let image = texture.image;
+                    this.chosen_handle(sampler, ty, &mut |this, sampler| {
+                        let (opaque, sampler) = (opaque.clone(), sampler.sampler);
+                        with(this, &HandlePair { opaque, image, sampler })
+                    })
+                });
+            }
+            Chosen::At(Way { text, dynamic: None }, _) => {
+                let pair = match self.bound_array(text) {
+                    Some((array, index)) => {
+                        let index = self.u32(index);
+                        element(&array, index)
+                    }
+                    None => self.handle(text)?,
+                };
+                return with(self, &pair);
+            }
+            Chosen::At(Way { text, dynamic: Some((index, len)) }, _) => {
+                if let Some(array) = self.cx.handles.get(text).cloned() {
+                    return with(self, &element(&array, *index));
+                }
+                (text, *index, *len)
+            }
+        };
+        let local = if *ty == Ty::Void { None } else { Some(self.local("", ty)?) };
+        let kind = naga::ScalarKind::Uint;
+        let selector = self.add(Expression::As { expr: index, kind, convert: Some(4) });
+        let mut cases = Vec::new();
+        for i in 0..len {
+            let pair = self.handle(&way.replace("[?]", &format!("[{i}]")))?;
+            let (body, ()) = self.nested(|this| {
+                let value = with(this, &pair)?;
+                if let Some(local) = local {
+                    let pointer = this.local_pointer(local);
+                    this.statement(naga::Statement::Store { pointer, value: value.expr });
+                }
+                Ok(())
+            })?;
+            let last = i + 1 == len;
+            let value = if last { naga::SwitchValue::Default } else { naga::SwitchValue::U32(i) };
+            cases.push(naga::SwitchCase { value, body, fall_through: false });
+        }
+        self.statement(naga::Statement::Switch { selector, cases });
+        match local {
+            Some(local) => {
+                let place = self.local_place(local, ty);
+                self.load(&place)
+            }
+            None => Ok(Val { expr: selector, ty: Ty::Void }),
+        }
+    }
+}
+
+fn element(array: &HandlePair, index: Handle<Expression>) -> HandlePair {
+    let of = |source: Option<Source>| match source {
+        Some(Source::Array(global)) => Some(Source::Element(global, index)),
+        other => other,
+    };
+    let (image, sampler) = (of(array.image), of(array.sampler));
+    HandlePair { opaque: array.opaque.clone(), image, sampler }
+}
+
+fn storage_format(name: &str) -> Option<StorageFormat> {
+    use StorageFormat as F;
+    Some(match name {
+        "r8" => F::R8Unorm,
+        "r8_snorm" => F::R8Snorm,
+        "r8ui" => F::R8Uint,
+        "r8i" => F::R8Sint,
+        "r16ui" => F::R16Uint,
+        "r16i" => F::R16Sint,
+        "r16f" => F::R16Float,
+        "rg8" => F::Rg8Unorm,
+        "rg8_snorm" => F::Rg8Snorm,
+        "rg8ui" => F::Rg8Uint,
+        "rg8i" => F::Rg8Sint,
+        "r32ui" => F::R32Uint,
+        "r32i" => F::R32Sint,
+        "r32f" => F::R32Float,
+        "rg16ui" => F::Rg16Uint,
+        "rg16i" => F::Rg16Sint,
+        "rg16f" => F::Rg16Float,
+        "rgba8" => F::Rgba8Unorm,
+        "rgba8_snorm" => F::Rgba8Snorm,
+        "rgba8ui" => F::Rgba8Uint,
+        "rgba8i" => F::Rgba8Sint,
+        "rgb10_a2ui" => F::Rgb10a2Uint,
+        "rgb10_a2" => F::Rgb10a2Unorm,
+        "r11f_g11f_b10f" => F::Rg11b10Ufloat,
+        "r64ui" => F::R64Uint,
+        "rg32ui" => F::Rg32Uint,
+        "rg32i" => F::Rg32Sint,
+        "rg32f" => F::Rg32Float,
+        "rgba16ui" => F::Rgba16Uint,
+        "rgba16i" => F::Rgba16Sint,
+        "rgba16f" => F::Rgba16Float,
+        "rgba32ui" => F::Rgba32Uint,
+        "rgba32i" => F::Rgba32Sint,
+        "rgba32f" => F::Rgba32Float,
+        "r16" => F::R16Unorm,
+        "r16_snorm" => F::R16Snorm,
+        "rg16" => F::Rg16Unorm,
+        "rg16_snorm" => F::Rg16Snorm,
+        "rgba16" => F::Rgba16Unorm,
+        "rgba16_snorm" => F::Rgba16Snorm,
+        _ => return None,
+    })
+}

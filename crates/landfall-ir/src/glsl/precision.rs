@@ -1,0 +1,297 @@
+//! Which expressions of an ES shader need no more than `mediump`: GLSL ES 3.20 §4.7.
+//!
+//! The parser says the precision of every type that is declared; this walks the tree by names
+//! and gives the spans of the expressions whose operands are all `mediump` or `lowp`. Lowering
+//! does not know of it: the evaluator finds an expression's span among them when it is asked
+//! to round. Integers are left as they are; expressions that come of one macro share a span.
+
+use std::rc::Rc;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::ast::*;
+use landfall_layout::source::Span;
+
+/// The spans of what may be rounded; none of a shader whose dialect has no precisions.
+pub fn reduced(items: &[Item<'_>]) -> FxHashSet<Span> {
+    let mut walk = Walk { scopes: vec![FxHashMap::default()], ..Walk::default() };
+    for item in items {
+        if let Item::Function(function) = item {
+            let returns = walk.known(&function.returns);
+            walk.functions.insert(function.name.text, returns);
+        }
+    }
+    for item in items {
+        walk.item(item);
+    }
+    walk.reduced
+}
+
+type Members<'a> = FxHashMap<&'a str, Known<'a>>;
+
+/// What is known of a variable or value: its precision, none of a literal; its members.
+#[derive(Clone, Debug, Default)]
+struct Known<'a> {
+    precision: Option<Precision>,
+    members: Option<Rc<Members<'a>>>,
+}
+
+#[derive(Default)]
+struct Walk<'a> {
+    scopes: Vec<Members<'a>>,
+    structures: FxHashMap<&'a str, Rc<Members<'a>>>,
+    functions: FxHashMap<&'a str, Known<'a>>,
+    reduced: FxHashSet<Span>,
+}
+
+impl<'a> Walk<'a> {
+    fn item(&mut self, item: &Item<'a>) {
+        match item {
+            Item::Variables(declaration) => self.declaration(declaration),
+            Item::Block(block) => {
+                let members = self.members(&block.members);
+                match &block.instance {
+                    Some(instance) => {
+                        let members = Some(Rc::new(members));
+                        self.declare(instance.text, Known { precision: None, members });
+                    }
+                    None => members.into_iter().for_each(|(name, known)| self.declare(name, known)),
+                }
+            }
+            Item::Function(function) => {
+                self.scopes.push(FxHashMap::default());
+                for parameter in &function.parameters {
+                    let known = self.known(&parameter.ty);
+                    if is_reduced(known.precision) {
+                        self.reduced.insert(parameter.name.span);
+                    }
+                    self.declare(parameter.name.text, known);
+                }
+                self.statements(function.body.as_deref().unwrap_or_default());
+                self.scopes.pop();
+            }
+            Item::Defaults(_) => {}
+        }
+    }
+
+    fn declare(&mut self, name: &'a str, known: Known<'a>) {
+        self.scopes.last_mut().expect("the outermost scope stays").insert(name, known);
+    }
+
+    fn members(&mut self, declarations: &[Declaration<'a>]) -> Members<'a> {
+        let mut members = Members::default();
+        for declaration in declarations {
+            let known = self.known(&declaration.ty);
+            let names = declaration.names.iter().map(|declarator| declarator.name.text);
+            members.extend(names.map(|name| (name, known.clone())));
+        }
+        members
+    }
+
+    fn known(&mut self, ty: &TypeSpec<'a>) -> Known<'a> {
+        let members = match &ty.base {
+            TypeBase::Name(name) => self.structures.get(name).cloned(),
+            TypeBase::Struct(structure) => {
+                let members = Rc::new(self.members(&structure.members));
+                self.structures.insert(structure.name.text, members.clone());
+                Some(members)
+            }
+        };
+        let precision = if members.is_some() { None } else { ty.precision };
+        Known { precision, members }
+    }
+
+    fn declaration(&mut self, declaration: &Declaration<'a>) {
+        let known = self.known(&declaration.ty);
+        for declarator in &declaration.names {
+            if let Some(init) = &declarator.init {
+                self.expression(init);
+            }
+            self.declare(declarator.name.text, known.clone());
+        }
+    }
+
+    fn statements(&mut self, statements: &[Statement<'a>]) {
+        statements.iter().for_each(|statement| self.statement(statement));
+    }
+
+    fn scoped(&mut self, walk: impl FnOnce(&mut Self)) {
+        self.scopes.push(FxHashMap::default());
+        walk(self);
+        self.scopes.pop();
+    }
+
+    fn condition(&mut self, condition: &Condition<'a>) {
+        match condition {
+            Condition::Expression(e) => drop(self.expression(e)),
+            Condition::Declaration(declaration) => self.declaration(declaration),
+        }
+    }
+
+    fn statement(&mut self, statement: &Statement<'a>) {
+        match &statement.kind {
+            StatementKind::Declaration(declaration) => self.declaration(declaration),
+            StatementKind::Expression(e) | StatementKind::Case(e) => drop(self.expression(e)),
+            StatementKind::Return(e) => e.iter().for_each(|e| drop(self.expression(e))),
+            StatementKind::Block(inner) => self.scoped(|this| this.statements(inner)),
+            StatementKind::If(condition, accept, reject) => self.scoped(|this| {
+                this.condition(condition);
+                this.scoped(|this| this.statement(accept));
+                this.scoped(|this| reject.iter().for_each(|reject| this.statement(reject)));
+            }),
+            StatementKind::For(parts) => self.scoped(|this| {
+                this.statement(&parts.init);
+                parts.condition.iter().for_each(|condition| this.condition(condition));
+                parts.step.iter().for_each(|step| drop(this.expression(step)));
+                this.scoped(|this| this.statement(&parts.body));
+            }),
+            StatementKind::While(condition, body) => self.scoped(|this| {
+                this.condition(condition);
+                this.scoped(|this| this.statement(body));
+            }),
+            StatementKind::DoWhile(body, condition) => {
+                self.scoped(|this| this.statement(body));
+                self.expression(condition);
+            }
+            StatementKind::Switch(selector, body) => {
+                self.expression(selector);
+                self.scoped(|this| this.statements(body));
+            }
+            StatementKind::Empty
+            | StatementKind::Default
+            | StatementKind::Break
+            | StatementKind::Continue
+            | StatementKind::Discard => {}
+        }
+    }
+
+    fn expression(&mut self, e: &Expr<'a>) -> Known<'a> {
+        let known = self.of(e);
+        if is_reduced(known.precision) {
+            self.reduced.insert(e.span);
+        }
+        known
+    }
+
+    /// The highest precision of several; a literal takes that of its neighbours.
+    fn highest<'e>(&mut self, all: impl IntoIterator<Item = &'e Expr<'a>>) -> Known<'a>
+    where
+        'a: 'e,
+    {
+        let mut known = Known::default();
+        for e in all {
+            let one = self.expression(e);
+            known.precision = known.precision.max(one.precision);
+            known.members = known.members.or(one.members);
+        }
+        known
+    }
+
+    fn of(&mut self, e: &Expr<'a>) -> Known<'a> {
+        match &e.kind {
+            ExprKind::Number(_) | ExprKind::Bool(_) => Known::default(),
+            ExprKind::Name(name) => {
+                let found = self.scopes.iter().rev().find_map(|scope| scope.get(name));
+                found.cloned().unwrap_or_else(|| predeclared(name))
+            }
+            ExprKind::Unary(_, inner) | ExprKind::Step(_, inner) => self.expression(inner),
+            ExprKind::Binary(operator, a, b) => {
+                let known = self.highest([&**a, &**b]);
+                if is_arithmetic(*operator) { known } else { Known::default() }
+            }
+            ExprKind::Assign(operator, left, right) => match operator {
+                Some(_) => self.highest([&**left, &**right]),
+                None => {
+                    self.expression(right);
+                    self.expression(left)
+                }
+            },
+            ExprKind::Choose(parts) => {
+                let [condition, accept, reject] = &**parts;
+                self.expression(condition);
+                self.highest([accept, reject])
+            }
+            ExprKind::Comma(a, b) => {
+                self.expression(a);
+                self.expression(b)
+            }
+            ExprKind::Index(base, index) => {
+                self.expression(index);
+                self.expression(base)
+            }
+            ExprKind::Member(base, name) => {
+                let base = self.expression(base);
+                match &base.members {
+                    Some(members) => members.get(name.text).cloned().unwrap_or_default(),
+                    None => base,
+                }
+            }
+            ExprKind::Call(name, arguments) => {
+                let all: Vec<Known> = arguments.iter().map(|e| self.expression(e)).collect();
+                if let Some(returns) = self.functions.get(name.text) {
+                    return returns.clone();
+                }
+                if let Some(members) = self.structures.get(name.text) {
+                    return Known { precision: None, members: Some(members.clone()) };
+                }
+                // What is sampled is as precise as its sampler.
+                let counted = if name.text.starts_with("texture") { 1 } else { all.len() };
+                let precision = all.iter().take(counted).filter_map(|one| one.precision).max();
+                Known { precision, members: None }
+            }
+            ExprKind::Construct(ty, arguments) => {
+                let all = self.highest(arguments);
+                let known = self.known(ty);
+                match known.members {
+                    Some(_) => known,
+                    None => Known { precision: all.precision, members: None },
+                }
+            }
+            ExprKind::Length(inner) => {
+                self.expression(inner);
+                Known::default()
+            }
+            ExprKind::List(all) => self.highest(all),
+        }
+    }
+}
+
+fn is_reduced(precision: Option<Precision>) -> bool {
+    match precision {
+        Some(Precision::Low | Precision::Medium) => true,
+        Some(Precision::High) | None => false,
+    }
+}
+
+/// The language's own variables: GLSL ES 3.20 §7, 1.00 §7.
+fn predeclared<'a>(name: &str) -> Known<'a> {
+    let precision = match name {
+        "gl_FragColor" | "gl_FragData" | "gl_PointCoord" => Precision::Medium,
+        _ => Precision::High,
+    };
+    Known { precision: Some(precision), members: None }
+}
+
+fn is_arithmetic(operator: Binary) -> bool {
+    match operator {
+        Binary::Add
+        | Binary::Subtract
+        | Binary::Multiply
+        | Binary::Divide
+        | Binary::Modulo
+        | Binary::ShiftLeft
+        | Binary::ShiftRight
+        | Binary::BitAnd
+        | Binary::BitXor
+        | Binary::BitOr => true,
+        Binary::Less
+        | Binary::LessEqual
+        | Binary::Greater
+        | Binary::GreaterEqual
+        | Binary::Equal
+        | Binary::NotEqual
+        | Binary::And
+        | Binary::Xor
+        | Binary::Or => false,
+    }
+}

@@ -1,0 +1,448 @@
+//! Texture functions, old and new (GLSL 4.60 §8.9, GLSL 1.20 §8.7).
+
+use naga::{BinaryOperator as B, Expression, Handle, ImageDimension, ImageQuery, SampleLevel};
+
+use super::R;
+use super::ast::{Binary, Expr};
+use super::body::{Body, Val};
+use super::opaque::{Chosen, HandlePair};
+use super::types::{Image, Kind, Opaque, Ty};
+use landfall_layout::source::Stage;
+
+/// What a function's name says.
+#[derive(Clone, Copy, Debug, Default)]
+struct Form {
+    /// Coordinates are divided by their last component.
+    projected: bool,
+    lod: bool,
+    grad: bool,
+    offset: bool,
+    fetch: bool,
+    gather: bool,
+    /// GLSL 1.20's `shadow2D`: the result is a vec4.
+    shadow_vector: bool,
+}
+
+/// The form of a texture function, by its name.
+fn form(name: &str) -> Option<Form> {
+    let legacy = ["1D", "2D", "3D", "Cube", "2DRect", "1DArray", "2DArray", "2DShadow"];
+    let (base, shadow_vector) = match name.strip_prefix("texture") {
+        Some(rest) => (rest, false),
+        None => match name.strip_prefix("texelFetch") {
+            Some("") => return Some(Form { fetch: true, ..Form::default() }),
+            Some("Offset") => return Some(Form { fetch: true, offset: true, ..Form::default() }),
+            Some(_) => return None,
+            None => (name.strip_prefix("shadow")?, true),
+        },
+    };
+    let mut rest = base;
+    // The longest name first: `2DRect` begins with `2D`.
+    let mut names: Vec<&str> = legacy.to_vec();
+    names.sort_by_key(|n| std::cmp::Reverse(n.len()));
+    let old = names.iter().find_map(|dim| base.strip_prefix(dim));
+    match old {
+        Some(after) => rest = after,
+        None if shadow_vector => return None,
+        None => {}
+    }
+    let mut form = Form { shadow_vector, ..Form::default() };
+    for suffix in ["ARB", "EXT"] {
+        rest = rest.strip_suffix(suffix).unwrap_or(rest);
+    }
+    while !rest.is_empty() {
+        let (found, after) = [("Proj", 0), ("Lod", 1), ("Grad", 2), ("Offset", 3), ("Gather", 4)]
+            .iter()
+            .find_map(|(word, which)| Some((*which, rest.strip_prefix(word)?)))?;
+        match found {
+            0 => form.projected = true,
+            1 => form.lod = true,
+            2 => form.grad = true,
+            3 => form.offset = true,
+            _ => form.gather = true,
+        }
+        rest = after;
+    }
+    Some(form)
+}
+
+const QUERIES: &[&str] =
+    &["textureSize", "textureQueryLevels", "textureSamples", "imageSize", "imageSamples"];
+
+pub fn is_known(name: &str) -> bool {
+    QUERIES.contains(&name) || form(name).is_some()
+}
+
+/// The arguments after the handle, and what is still to be taken of them.
+struct Arguments {
+    values: Vec<Val>,
+    next: usize,
+}
+
+impl Arguments {
+    fn take(&mut self) -> Option<Val> {
+        self.next += 1;
+        self.values.get(self.next - 1).cloned()
+    }
+}
+
+impl<'a> Body<'_, 'a> {
+    /// The handle that a call is given first, and the values of its other arguments.
+    pub(super) fn handle_and_values(
+        &mut self,
+        name: &str,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+    ) -> R<(Chosen, Vec<Val>)> {
+        let Some((first, rest)) = arguments.split_first() else {
+            return self.refuse(format!("`{name}` is given nothing"));
+        };
+        let chosen = self.chosen(first)?;
+        let mut values = Vec::new();
+        for argument in rest {
+            values.push(self.value(argument)?);
+        }
+        self.span = e.span;
+        Ok((chosen, values))
+    }
+
+    /// A texture function; `None` when it is none.
+    pub fn texture_call(
+        &mut self,
+        name: &str,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+    ) -> R<Option<Val>> {
+        if !is_known(name) {
+            return Ok(None);
+        }
+        let (chosen, values) = self.handle_and_values(name, arguments, e)?;
+        let image = match &chosen {
+            Chosen::At(_, Ty::Opaque(opaque)) => opaque.clone(),
+            Chosen::At(_, ty) => return self.refuse(format!("`{name}` does not take a `{ty}`")),
+            Chosen::Joined(opaque, _) => opaque.clone(),
+        };
+        let (Opaque::Combined(image) | Opaque::Texture(image) | Opaque::Storage(image)) = image
+        else {
+            return self.refuse(format!("`{name}` does not take a `{image}`"));
+        };
+        if QUERIES.contains(&name) {
+            return self.query(name, &chosen, &image, values).map(Some);
+        }
+        let Some(form) = form(name) else { return Ok(None) };
+        let kind = image.kind;
+        let vec4 = Ty::Vector(kind, 4);
+        if form.fetch {
+            let value = self.with_handle(&chosen, &vec4, |this, pair| {
+                this.fetch(pair, &image, form, &mut Arguments { values: values.clone(), next: 0 })
+            })?;
+            return Ok(Some(value));
+        }
+        let scalar = image.depth && !form.gather;
+        let ty = if scalar { Ty::FLOAT } else { vec4 };
+        let value = self.with_handle(&chosen, &ty, |this, pair| {
+            this.sample(pair, &image, form, &mut Arguments { values: values.clone(), next: 0 })
+        })?;
+        if scalar && form.shadow_vector {
+            // GLSL 1.20's result is a vec4 whose first three components are the comparison.
+            let one = self.number(Kind::Float, 1.0);
+            let parts = vec![value.expr, value.expr, value.expr, one.expr];
+            return self.compose(&Ty::Vector(Kind::Float, 4), parts).map(Some);
+        }
+        Ok(Some(value))
+    }
+
+    /// A sampled value.
+    fn sample(
+        &mut self,
+        pair: &HandlePair,
+        image: &Image,
+        form: Form,
+        arguments: &mut Arguments,
+    ) -> R<Val> {
+        let (texture, sampler) = (self.source(pair.image)?, self.source(pair.sampler)?);
+        let Some(given) = arguments.take() else { return self.refuse("coordinates are missing") };
+        let given = self.float(&given)?;
+        let own = coordinates(image);
+        let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
+        let given = if form.projected { self.project(&given, count)? } else { given };
+        let count = if form.projected { count - 1 } else { count };
+        let first: Vec<u8> = (0..own).collect();
+        if count < own + u8::from(image.arrayed) {
+            return self.refuse(format!("a `{}` is no coordinate here", given.ty));
+        }
+        let mut coordinate =
+            if own == count { given.clone() } else { self.select(&given, &first)? };
+        let mut array_index = None;
+        let mut depth = None;
+        if image.arrayed {
+            let layer = self.select(&given, &[own])?;
+            // GLSL 4.60 §8.9: the layer is rounded.
+            let half = self.number(Kind::Float, 0.5);
+            let layer = self.binary(B::Add, layer.expr, half.expr);
+            let layer = self.math(naga::MathFunction::Floor, &[layer]);
+            let layer = Val { expr: layer, ty: Ty::FLOAT };
+            array_index = Some(self.convert(&layer, &Ty::INT)?.expr);
+        }
+        if image.depth {
+            // The reference is the last component; a cube array's and a gather's stand alone.
+            let used = own + u8::from(image.arrayed);
+            let inside = if image.dim == ImageDimension::D1 { used.max(2) } else { used };
+            depth = if form.gather || count <= inside {
+                let Some(reference) = arguments.take() else {
+                    return self.refuse("what to compare with is missing");
+                };
+                Some(self.coerce(&reference, &Ty::FLOAT)?.expr)
+            } else {
+                Some(self.select(&given, &[inside])?.expr)
+            };
+        }
+        if image.rectangle && !form.gather {
+            let query = ImageQuery::Size { level: None };
+            let size = self.add(Expression::ImageQuery { image: texture, query });
+            let size = Val { expr: size, ty: Ty::Vector(Kind::Uint, 2) };
+            let size = self.convert(&size, &Ty::Vector(Kind::Float, 2))?;
+            coordinate = self.operate(Binary::Divide, &coordinate, &size)?;
+        }
+        let mut level = self.automatic_level();
+        if form.lod {
+            let Some(lod) = arguments.take() else { return self.refuse("the level is missing") };
+            let lod = self.coerce(&lod, &Ty::FLOAT)?;
+            level = match image.depth {
+                // naga compares at the first level only.
+                true => SampleLevel::Zero,
+                false => SampleLevel::Exact(lod.expr),
+            };
+        } else if form.grad {
+            let (Some(x), Some(y)) = (arguments.take(), arguments.take()) else {
+                return self.refuse("the derivatives are missing");
+            };
+            let ty = Ty::of(Kind::Float, own);
+            let (x, y) = (self.coerce(&x, &ty)?.expr, self.coerce(&y, &ty)?.expr);
+            level = if image.depth { SampleLevel::Zero } else { SampleLevel::Gradient { x, y } };
+        }
+        let mut offset = None;
+        if form.offset {
+            let Some(by) = arguments.take() else { return self.refuse("the offset is missing") };
+            if self.is_constant(by.expr) {
+                offset = Some(by.expr);
+            } else {
+                // naga takes constant offsets only: others are added in texels.
+                let query = ImageQuery::Size { level: None };
+                let size = self.add(Expression::ImageQuery { image: texture, query });
+                let size = Val { expr: size, ty: Ty::of(Kind::Uint, own) };
+                let size = self.convert(&size, &Ty::of(Kind::Float, own))?;
+                let by = self.convert(&by, &Ty::of(Kind::Float, own))?;
+                let by = self.operate(Binary::Divide, &by, &size)?;
+                coordinate = self.operate(Binary::Add, &coordinate, &by)?;
+            }
+        }
+        let mut gather = None;
+        if form.gather {
+            level = SampleLevel::Zero;
+            let component = arguments.take().map(|v| self.function.expressions[v.expr].clone());
+            gather = Some(match component {
+                None if image.depth => naga::SwizzleComponent::X,
+                None => naga::SwizzleComponent::X,
+                Some(Expression::Literal(naga::Literal::I32(0))) => naga::SwizzleComponent::X,
+                Some(Expression::Literal(naga::Literal::I32(1))) => naga::SwizzleComponent::Y,
+                Some(Expression::Literal(naga::Literal::I32(2))) => naga::SwizzleComponent::Z,
+                Some(Expression::Literal(naga::Literal::I32(3))) => naga::SwizzleComponent::W,
+                Some(_) => return self.refuse("the component that is gathered is no constant"),
+            });
+        } else if let (Some(bias), SampleLevel::Auto, false) =
+            (arguments.take(), level, image.depth)
+        {
+            level = SampleLevel::Bias(self.coerce(&bias, &Ty::FLOAT)?.expr);
+        }
+        if image.kind != Kind::Float && gather.is_none() {
+            return self.nearest(texture, image, &coordinate, array_index);
+        }
+        let expr = self.add(Expression::ImageSample {
+            image: texture,
+            sampler,
+            gather,
+            coordinate: coordinate.expr,
+            array_index,
+            offset,
+            level,
+            depth_ref: depth,
+            clamp_to_edge: false,
+        });
+        let scalar = image.depth && gather.is_none();
+        let ty = if scalar { Ty::FLOAT } else { Ty::Vector(image.kind, 4) };
+        Ok(Val { expr, ty })
+    }
+
+    /// Level by derivatives where there are some, else the first.
+    fn automatic_level(&self) -> SampleLevel {
+        match self.cx.stage {
+            Some(Stage::Fragment) | None => SampleLevel::Auto,
+            Some(_) => SampleLevel::Zero,
+        }
+    }
+
+    /// Whole-number textures are not filtered: naga has no sampling of them, so the texel
+    /// that a nearest, repeating sampler gives is loaded.
+    fn nearest(
+        &mut self,
+        texture: Handle<Expression>,
+        image: &Image,
+        coordinate: &Val,
+        array_index: Option<Handle<Expression>>,
+    ) -> R<Val> {
+        let own = coordinates(image);
+        if image.dim == ImageDimension::Cube {
+            return self.refuse("a cube of whole numbers cannot be sampled");
+        }
+        let zero = self.number(Kind::Int, 0.0);
+        let query = ImageQuery::Size { level: Some(zero.expr) };
+        let size = self.add(Expression::ImageQuery { image: texture, query });
+        let size = Val { expr: size, ty: Ty::of(Kind::Uint, own) };
+        let size = self.convert(&size, &Ty::of(Kind::Float, own))?;
+        let inside = self.math(naga::MathFunction::Fract, &[coordinate.expr]);
+        let inside = Val { expr: inside, ty: coordinate.ty.clone() };
+        let texel = self.operate(Binary::Multiply, &inside, &size)?;
+        let texel = self.convert(&texel, &Ty::of(Kind::Int, own))?;
+        let expr = self.add(Expression::ImageLoad {
+            image: texture,
+            coordinate: texel.expr,
+            array_index,
+            sample: None,
+            level: Some(zero.expr),
+        });
+        Ok(Val { expr, ty: Ty::Vector(image.kind, 4) })
+    }
+
+    /// Coordinates divided by the last of them.
+    fn project(&mut self, given: &Val, count: u8) -> R<Val> {
+        let last = self.select(given, &[count - 1])?;
+        let rest: Vec<u8> = (0..count - 1).collect();
+        let rest = self.select(given, &rest)?;
+        self.operate(Binary::Divide, &rest, &last)
+    }
+
+    fn is_constant(&self, expr: Handle<Expression>) -> bool {
+        match &self.function.expressions[expr] {
+            Expression::Literal(_) | Expression::ZeroValue(_) => true,
+            Expression::Compose { components, .. } => {
+                components.iter().all(|&part| self.is_constant(part))
+            }
+            Expression::Splat { value, .. } => self.is_constant(*value),
+            _ => false,
+        }
+    }
+
+    /// `texelFetch`.
+    fn fetch(
+        &mut self,
+        pair: &HandlePair,
+        image: &Image,
+        form: Form,
+        arguments: &mut Arguments,
+    ) -> R<Val> {
+        let texture = self.source(pair.image)?;
+        let Some(given) = arguments.take() else { return self.refuse("coordinates are missing") };
+        let (mut coordinate, array_index) = self.texel(image, &given)?;
+        let extra = if image.rectangle { None } else { arguments.take() };
+        let extra = match extra {
+            Some(extra) => self.coerce(&extra, &Ty::INT)?,
+            None => self.number(Kind::Int, 0.0),
+        };
+        if form.offset {
+            let Some(by) = arguments.take() else { return self.refuse("the offset is missing") };
+            coordinate = self.operate(Binary::Add, &coordinate, &by)?;
+        }
+        let (sample, level) =
+            if image.multi { (Some(extra.expr), None) } else { (None, Some(extra.expr)) };
+        let expr = self.add(Expression::ImageLoad {
+            image: texture,
+            coordinate: coordinate.expr,
+            array_index,
+            sample,
+            level,
+        });
+        if image.depth {
+            let value = Val { expr, ty: Ty::FLOAT };
+            return self.splat(&value, 4);
+        }
+        Ok(Val { expr, ty: Ty::Vector(image.kind, 4) })
+    }
+
+    /// Whole coordinates, and the layer of an array.
+    pub fn texel(&mut self, image: &Image, given: &Val) -> R<(Val, Option<Handle<Expression>>)> {
+        let own = coordinates(image);
+        // The sides of a cube are layers of it to images.
+        let Some((_, count)) = given.ty.components().filter(|(k, _)| k.is_integer()) else {
+            return self.refuse(format!("a `{}` is no coordinate of a texel", given.ty));
+        };
+        let wanted = own + u8::from(image.arrayed);
+        if count < wanted {
+            return self.refuse(format!("a `{}` is no coordinate here", given.ty));
+        }
+        let first: Vec<u8> = (0..own).collect();
+        let coordinate = if count == own { given.clone() } else { self.select(given, &first)? };
+        let coordinate = self.convert(&coordinate, &Ty::of(Kind::Int, own))?;
+        let mut layer = None;
+        if image.arrayed {
+            let value = self.select(given, &[own])?;
+            layer = Some(self.convert(&value, &Ty::INT)?.expr);
+        }
+        Ok((coordinate, layer))
+    }
+
+    /// Sizes and counts.
+    fn query(&mut self, name: &str, chosen: &Chosen, image: &Image, values: Vec<Val>) -> R<Val> {
+        let count = image_size(image);
+        let sized = name == "textureSize" || name == "imageSize";
+        let ty = if sized { Ty::of(Kind::Int, count) } else { Ty::INT };
+        let image = *image;
+        self.with_handle(chosen, &ty, |this, pair| {
+            let texture = this.source(pair.image)?;
+            if !sized {
+                let query = match name {
+                    "textureQueryLevels" => ImageQuery::NumLevels,
+                    _ => ImageQuery::NumSamples,
+                };
+                let expr = this.add(Expression::ImageQuery { image: texture, query });
+                return this.convert(&Val { expr, ty: Ty::UINT }, &Ty::INT);
+            }
+            let level = match values.first() {
+                Some(level) if !image.multi && !image.rectangle => {
+                    Some(this.coerce(level, &Ty::INT)?.expr)
+                }
+                _ => None,
+            };
+            let query = ImageQuery::Size { level };
+            let own = count - u8::from(image.arrayed);
+            let expr = this.add(Expression::ImageQuery { image: texture, query });
+            let size = Val { expr, ty: Ty::of(Kind::Uint, own) };
+            let size = this.convert(&size, &Ty::of(Kind::Int, own))?;
+            if !image.arrayed {
+                return Ok(size);
+            }
+            let query = ImageQuery::NumLayers;
+            let layers = this.add(Expression::ImageQuery { image: texture, query });
+            let layers = this.convert(&Val { expr: layers, ty: Ty::UINT }, &Ty::INT)?;
+            this.compose(&ty, vec![size.expr, layers.expr])
+        })
+    }
+}
+
+/// Coordinates without the layer.
+fn coordinates(image: &Image) -> u8 {
+    match image.dim {
+        ImageDimension::D1 => 1,
+        ImageDimension::D2 => 2,
+        ImageDimension::D3 | ImageDimension::Cube => 3,
+    }
+}
+
+/// Components of `textureSize`.
+fn image_size(image: &Image) -> u8 {
+    let own = match image.dim {
+        ImageDimension::D1 => 1,
+        ImageDimension::D2 | ImageDimension::Cube => 2,
+        ImageDimension::D3 => 3,
+    };
+    own + u8::from(image.arrayed)
+}

@@ -1,0 +1,336 @@
+//! The types of GLSL's values, and the naga types that carry them outside of blocks.
+
+use std::fmt;
+use std::rc::Rc;
+
+use naga::{ScalarKind, VectorSize};
+
+/// What a component is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    Bool,
+    Int,
+    Uint,
+    Float,
+    Double,
+    Half,
+    Short,
+    Ushort,
+    Long,
+    Ulong,
+}
+
+/// A type of a value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ty {
+    Void,
+    Scalar(Kind),
+    Vector(Kind, u8),
+    /// Component, columns, rows.
+    Matrix(Kind, u8, u8),
+    /// `None`: as many as the buffer, or the initialiser, holds.
+    Array(Rc<Ty>, Option<u32>),
+    Struct(Rc<Structure>),
+    Opaque(Opaque),
+}
+
+/// A structure: two of one name and other members are two types.
+#[derive(Debug)]
+pub struct Structure {
+    pub id: u32,
+    pub name: String,
+    pub members: Vec<Field>,
+    /// Whether a sampler or image is in it, at any depth.
+    pub opaque: bool,
+    /// Scalars, vectors, matrices and handles in it, elements of arrays counted each.
+    pub leaves: u64,
+}
+
+#[derive(Clone, Debug)]
+pub struct Field {
+    pub name: String,
+    pub ty: Ty,
+}
+
+impl PartialEq for Structure {
+    fn eq(&self, other: &Structure) -> bool {
+        self.id == other.id
+    }
+}
+
+/// A handle: what it is to naga.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Opaque {
+    /// `sampler2D`: an image and how it is sampled.
+    Combined(Image),
+    /// Vulkan's `texture2D`.
+    Texture(Image),
+    /// Vulkan's `sampler` and `samplerShadow`.
+    Sampler { comparison: bool },
+    /// `image2D`.
+    Storage(Image),
+    /// A handle naga has no counterpart for, by its name.
+    Foreign(String),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Image {
+    pub dim: naga::ImageDimension,
+    pub arrayed: bool,
+    pub multi: bool,
+    pub depth: bool,
+    pub kind: Kind,
+    /// `sampler2DRect`: coordinates are texels.
+    pub rectangle: bool,
+}
+
+impl Kind {
+    pub fn scalar(self) -> naga::Scalar {
+        let (kind, width) = match self {
+            Kind::Bool => (ScalarKind::Bool, 1),
+            Kind::Int => (ScalarKind::Sint, 4),
+            Kind::Uint => (ScalarKind::Uint, 4),
+            Kind::Float => (ScalarKind::Float, 4),
+            Kind::Double => (ScalarKind::Float, 8),
+            Kind::Half => (ScalarKind::Float, 2),
+            Kind::Short => (ScalarKind::Sint, 2),
+            Kind::Ushort => (ScalarKind::Uint, 2),
+            Kind::Long => (ScalarKind::Sint, 8),
+            Kind::Ulong => (ScalarKind::Uint, 8),
+        };
+        naga::Scalar { kind, width }
+    }
+
+    pub fn is_float(self) -> bool {
+        matches!(self, Kind::Float | Kind::Double | Kind::Half)
+    }
+
+    pub fn is_integer(self) -> bool {
+        !self.is_float() && self != Kind::Bool
+    }
+
+    pub fn is_signed(self) -> bool {
+        matches!(self, Kind::Int | Kind::Short | Kind::Long)
+    }
+
+    /// GLSL 4.60 §4.1.10: how far up the ladder of implicit conversions it stands.
+    fn rank(self) -> u8 {
+        match self {
+            Kind::Bool => 0,
+            Kind::Short => 1,
+            Kind::Ushort => 2,
+            Kind::Int => 3,
+            Kind::Uint => 4,
+            Kind::Long => 5,
+            Kind::Ulong => 6,
+            Kind::Half => 7,
+            Kind::Float => 8,
+            Kind::Double => 9,
+        }
+    }
+
+    /// Whether a value converts to another kind by itself.
+    pub fn converts_to(self, to: Kind) -> bool {
+        self == to || (self != Kind::Bool && to != Kind::Bool && self.rank() < to.rank())
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Bool => "bool",
+            Kind::Int => "int",
+            Kind::Uint => "uint",
+            Kind::Float => "float",
+            Kind::Double => "double",
+            Kind::Half => "float16_t",
+            Kind::Short => "int16_t",
+            Kind::Ushort => "uint16_t",
+            Kind::Long => "int64_t",
+            Kind::Ulong => "uint64_t",
+        }
+    }
+
+    fn prefix(self) -> &'static str {
+        match self {
+            Kind::Bool => "b",
+            Kind::Int => "i",
+            Kind::Uint => "u",
+            Kind::Float => "",
+            Kind::Double => "d",
+            Kind::Half => "f16",
+            Kind::Short => "i16",
+            Kind::Ushort => "u16",
+            Kind::Long => "i64",
+            Kind::Ulong => "u64",
+        }
+    }
+
+    pub fn of(scalar: landfall_layout::shape::Scalar) -> Option<Kind> {
+        use landfall_layout::shape::ScalarKind as S;
+        Some(match (scalar.kind, scalar.width) {
+            (S::Bool, _) => Kind::Bool,
+            (S::Sint, 4) => Kind::Int,
+            (S::Uint, 4) => Kind::Uint,
+            (S::Float, 4) => Kind::Float,
+            (S::Float, 8) => Kind::Double,
+            (S::Float, 2) => Kind::Half,
+            (S::Sint, 2) => Kind::Short,
+            (S::Uint, 2) => Kind::Ushort,
+            (S::Sint, 8) => Kind::Long,
+            (S::Uint, 8) => Kind::Ulong,
+            (S::Sint | S::Uint | S::Float | S::Bfloat | S::FloatE5m2 | S::FloatE4m3, _) => {
+                return None;
+            }
+        })
+    }
+}
+
+impl fmt::Display for Ty {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Ty::Void => f.write_str("void"),
+            Ty::Scalar(kind) => f.write_str(kind.name()),
+            Ty::Vector(kind, size) => write!(f, "{}vec{size}", kind.prefix()),
+            Ty::Matrix(kind, c, r) if c == r => write!(f, "{}mat{c}", kind.prefix()),
+            Ty::Matrix(kind, c, r) => write!(f, "{}mat{c}x{r}", kind.prefix()),
+            Ty::Array(element, len) => {
+                let mut dims = vec![*len];
+                let mut element = element;
+                while let Ty::Array(next, len) = &**element {
+                    dims.push(*len);
+                    element = next;
+                }
+                write!(f, "{element}")?;
+                dims.iter().try_for_each(|len| match len {
+                    Some(len) => write!(f, "[{len}]"),
+                    None => f.write_str("[]"),
+                })
+            }
+            Ty::Struct(s) if s.name.is_empty() => f.write_str("struct"),
+            Ty::Struct(s) => f.write_str(&s.name),
+            Ty::Opaque(opaque) => write!(f, "{opaque}"),
+        }
+    }
+}
+
+impl fmt::Display for Opaque {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (word, image) = match self {
+            Opaque::Combined(image) => ("sampler", image),
+            Opaque::Texture(image) => ("texture", image),
+            Opaque::Storage(image) => ("image", image),
+            Opaque::Sampler { comparison: false } => return f.write_str("sampler"),
+            Opaque::Sampler { comparison: true } => return f.write_str("samplerShadow"),
+            Opaque::Foreign(name) => return f.write_str(name),
+        };
+        let dim = match image.dim {
+            naga::ImageDimension::D1 => "1D",
+            naga::ImageDimension::D2 if image.rectangle => "2DRect",
+            naga::ImageDimension::D2 => "2D",
+            naga::ImageDimension::D3 => "3D",
+            naga::ImageDimension::Cube => "Cube",
+        };
+        let multi = if image.multi { "MS" } else { "" };
+        let arrayed = if image.arrayed { "Array" } else { "" };
+        let shadow = if image.depth { "Shadow" } else { "" };
+        write!(f, "{}{word}{dim}{multi}{arrayed}{shadow}", image.kind.prefix())
+    }
+}
+
+impl Ty {
+    pub const BOOL: Ty = Ty::Scalar(Kind::Bool);
+    pub const INT: Ty = Ty::Scalar(Kind::Int);
+    pub const UINT: Ty = Ty::Scalar(Kind::Uint);
+    pub const FLOAT: Ty = Ty::Scalar(Kind::Float);
+
+    /// A scalar or a vector of that many components.
+    pub fn of(kind: Kind, size: u8) -> Ty {
+        if size == 1 { Ty::Scalar(kind) } else { Ty::Vector(kind, size) }
+    }
+
+    /// Component and number of them, of a scalar or vector.
+    pub fn components(&self) -> Option<(Kind, u8)> {
+        match self {
+            Ty::Scalar(kind) => Some((*kind, 1)),
+            Ty::Vector(kind, size) => Some((*kind, *size)),
+            Ty::Void | Ty::Matrix(..) | Ty::Array(..) | Ty::Struct(_) | Ty::Opaque(_) => None,
+        }
+    }
+
+    /// Component of a scalar, vector or matrix.
+    pub fn kind(&self) -> Option<Kind> {
+        match self {
+            Ty::Scalar(kind) | Ty::Vector(kind, _) | Ty::Matrix(kind, ..) => Some(*kind),
+            Ty::Void | Ty::Array(..) | Ty::Struct(_) | Ty::Opaque(_) => None,
+        }
+    }
+
+    /// The same shape with another component.
+    pub fn with_kind(&self, kind: Kind) -> Ty {
+        match self {
+            Ty::Scalar(_) => Ty::Scalar(kind),
+            Ty::Vector(_, size) => Ty::Vector(kind, *size),
+            Ty::Matrix(_, c, r) => Ty::Matrix(kind, *c, *r),
+            Ty::Void | Ty::Array(..) | Ty::Struct(_) | Ty::Opaque(_) => self.clone(),
+        }
+    }
+
+    /// Whether a value becomes one of another type by itself.
+    pub fn converts_to(&self, to: &Ty) -> bool {
+        self == to
+            || match (self.kind(), to.kind()) {
+                (Some(from), Some(kind)) => self.with_kind(kind) == *to && from.converts_to(kind),
+                _ => false,
+            }
+    }
+
+    /// Scalars, vectors, matrices and handles in a value, elements of arrays counted each.
+    pub fn leaves(&self) -> u64 {
+        match self {
+            Ty::Array(element, len) => element.leaves().saturating_mul(len.unwrap_or(1).into()),
+            Ty::Struct(s) => s.leaves,
+            Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Matrix(..) | Ty::Opaque(_) => 1,
+        }
+    }
+
+    pub fn has_opaque(&self) -> bool {
+        match self {
+            Ty::Opaque(_) => true,
+            Ty::Array(element, _) => element.has_opaque(),
+            Ty::Struct(s) => s.opaque,
+            Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Matrix(..) => false,
+        }
+    }
+
+    /// Components, columns, elements: what an index may be below; `None` if nothing is indexed.
+    pub fn indexed(&self) -> Option<(Ty, Option<u32>)> {
+        match self {
+            Ty::Vector(kind, size) => Some((Ty::Scalar(*kind), Some((*size).into()))),
+            Ty::Matrix(kind, c, r) => Some((Ty::Vector(*kind, *r), Some((*c).into()))),
+            Ty::Array(element, len) => Some(((**element).clone(), *len)),
+            Ty::Void | Ty::Scalar(_) | Ty::Struct(_) | Ty::Opaque(_) => None,
+        }
+    }
+}
+
+pub fn vector_size(size: u8) -> VectorSize {
+    match size {
+        2 => VectorSize::Bi,
+        3 => VectorSize::Tri,
+        _ => VectorSize::Quad,
+    }
+}
+
+/// The members of a structure that hold values: those that are no handles.
+pub fn carried(s: &Structure) -> impl Iterator<Item = &Field> {
+    s.members.iter().filter(|field| holds_values(&field.ty))
+}
+
+/// Whether anything but handles is in a type.
+pub fn holds_values(ty: &Ty) -> bool {
+    match ty {
+        Ty::Void | Ty::Opaque(_) => false,
+        Ty::Array(element, _) => holds_values(element),
+        Ty::Struct(s) => s.members.iter().any(|field| holds_values(&field.ty)),
+        Ty::Scalar(_) | Ty::Vector(..) | Ty::Matrix(..) => true,
+    }
+}

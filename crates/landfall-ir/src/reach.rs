@@ -1,0 +1,78 @@
+//! What a function of naga's IR reaches: statements within statements, functions it calls,
+//! variables they name.
+//!
+//! Feeds whoever asks of a shader what it does without running it: [`call`](super::call),
+//! [`coverage`](super::coverage), [`fragments`](super::fragments), [`hazards`](super::hazards).
+
+use naga::{Block, Expression, Function, GlobalVariable, Handle, Module, Statement};
+use rustc_hash::FxHashSet;
+
+/// The statements of a block as they are written, those within others after what they are in.
+pub fn statements(block: &Block) -> impl Iterator<Item = &Statement> {
+    let mut open = vec![block.iter()];
+    std::iter::from_fn(move || {
+        let statement = loop {
+            match open.last_mut()?.next() {
+                Some(statement) => break statement,
+                None => drop(open.pop()),
+            }
+        };
+        match statement {
+            Statement::Block(inner) => open.push(inner.iter()),
+            Statement::If { accept, reject, .. } => open.extend([reject.iter(), accept.iter()]),
+            Statement::Switch { cases, .. } => {
+                open.extend(cases.iter().rev().map(|case| case.body.iter()));
+            }
+            Statement::Loop { body, continuing, .. } => {
+                open.extend([continuing.iter(), body.iter()]);
+            }
+            _ => {}
+        }
+        Some(statement)
+    })
+}
+
+/// The functions that a function calls by itself, as often as it does.
+pub fn calls(function: &Function) -> impl Iterator<Item = Handle<Function>> {
+    statements(&function.body).filter_map(|statement| match statement {
+        Statement::Call { function, .. } => Some(*function),
+        _ => None,
+    })
+}
+
+/// A function and all it calls, by itself and through others, each once.
+pub fn functions<'m>(module: &'m Module, first: &'m Function) -> Vec<&'m Function> {
+    let mut seen = FxHashSet::default();
+    let mut reached = vec![first];
+    let mut next = 0;
+    while let Some(function) = reached.get(next).copied() {
+        next += 1;
+        let new = calls(function).filter(|called| seen.insert(*called));
+        reached.extend(new.map(|called| &module.functions[called]));
+    }
+    reached
+}
+
+/// The global variables that a function and those it calls name.
+pub fn variables(module: &Module, first: &Function) -> FxHashSet<Handle<GlobalVariable>> {
+    functions(module, first).into_iter().flat_map(named).collect()
+}
+
+/// The global variables that a function names by itself.
+pub(super) fn named(function: &Function) -> impl Iterator<Item = Handle<GlobalVariable>> {
+    function.expressions.iter().filter_map(|(_, expression)| match expression {
+        Expression::GlobalVariable(variable) => Some(*variable),
+        _ => None,
+    })
+}
+
+/// The global variable that a pointer is into.
+pub fn root(function: &Function, mut at: Handle<Expression>) -> Option<Handle<GlobalVariable>> {
+    loop {
+        match function.expressions[at] {
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => at = base,
+            Expression::GlobalVariable(variable) => return Some(variable),
+            _ => return None,
+        }
+    }
+}

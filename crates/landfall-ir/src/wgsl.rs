@@ -1,0 +1,293 @@
+//! Modules by naga's own front ends: WGSL with our offsets put in, and both languages without.
+//!
+//! Feeds [`module`](super::module). naga 30.0.1 forgets the `@align` of a nested structure's
+//! members (gfx-rs/wgpu#4377), so offsets, strides and sizes are always replaced.
+
+use std::panic::{self, AssertUnwindSafe};
+
+use naga::{ArraySize, Handle, TypeInner};
+use rustc_hash::FxHashMap;
+
+use super::module::{
+    Bases, Direction, FunctionInfo, HandleKind, Module, ModuleBlock, ModuleHandle, Parameter,
+};
+use landfall_layout::layout::MemberLayout;
+use landfall_layout::shape::Type;
+use landfall_layout::source::{Files, Language, Source, Span, Stage};
+use landfall_layout::{BlockLayout, Diagnostic, Options, Severity, layout};
+use landfall_layout::{naga_compare::variable_of, naga_front::is_bounded};
+
+/// A WGSL shader by naga's front end, its blocks where our layout says.
+pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+    let laid_out = layout(source, &Options { naga: false, ..options.clone() });
+    let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
+    let errors: Vec<Diagnostic> = errors.collect();
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    let mut ir = parse(source, options)?;
+    let mut wanted = Wanted::default();
+    let mut blocks = Vec::new();
+    for block in laid_out.blocks {
+        let Some(variable) = variable_of(&ir, &block) else { continue };
+        let ty = ir.global_variables[variable].ty;
+        collect_block(&ir, ty, &block, &mut wanted);
+        blocks.push(module_block(&ir, block, variable));
+    }
+    apply(&mut ir, &wanted);
+    set_overrides(&mut ir, &options.read.overrides);
+    Ok(Module::unvalidated(ir, laid_out.files, blocks))
+}
+
+/// The module as naga makes it.
+pub(super) fn by_naga(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+    let ir = parse(source, options)?;
+    let laid_out = layout(source, &Options { naga: false, ..options.clone() });
+    let mut blocks = Vec::new();
+    for block in laid_out.blocks {
+        let Some(variable) = variable_of(&ir, &block) else { continue };
+        blocks.push(module_block(&ir, block, variable));
+    }
+    Ok(Module::unvalidated(ir, laid_out.files, blocks))
+}
+
+fn module_block(
+    ir: &naga::Module,
+    layout: BlockLayout,
+    variable: Handle<naga::GlobalVariable>,
+) -> ModuleBlock {
+    let at = ir.global_variables[variable].binding;
+    let (group, binding) = at.map_or((0, 0), |at| (at.group, at.binding));
+    ModuleBlock { layout, group, binding, element: None, variable }
+}
+
+fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnostic>> {
+    let text = &*source.text;
+    let mut files = Files::default();
+    files.add(source.path.clone(), source.text.clone());
+    let bases = Bases::new(&files);
+    let refused = |span: Option<naga::Span>, message: String| {
+        let range = span.and_then(|span| span.to_range());
+        let span = range.map(|range| Span {
+            file: 0,
+            start: range.start as u32 - bases.starts[0],
+            end: range.end as u32 - bases.starts[0],
+        });
+        vec![Diagnostic::error("cannot-run", span.unwrap_or_default(), message)]
+    };
+    if !is_bounded(text) {
+        return Err(refused(None, "the text is too long or nests too deep for naga".to_string()));
+    }
+    let result = panic::catch_unwind(AssertUnwindSafe(|| match source.language {
+        Language::Wgsl => naga::front::wgsl::parse_str(text).map_err(|error| {
+            let span = error.labels().next().map(|(span, _)| span);
+            refused(span, format!("naga: {}", error.message()))
+        }),
+        Language::Glsl => {
+            let stage = match source.stage {
+                Some(Stage::Fragment) => naga::ShaderStage::Fragment,
+                Some(Stage::Compute) => naga::ShaderStage::Compute,
+                _ => naga::ShaderStage::Vertex,
+            };
+            let mut given = naga::front::glsl::Options::from(stage);
+            given.defines = options.read.defines.iter().cloned().collect();
+            naga::front::glsl::Frontend::default().parse(&given, text).map_err(|errors| {
+                let each = errors.errors.iter();
+                each.flat_map(|e| refused(Some(e.meta), format!("naga: {}", e.kind))).collect()
+            })
+        }
+    }));
+    // naga 30.0.1 panics on GLSL's `float a[1000000000][8]`.
+    result.unwrap_or_else(|_| Err(refused(None, "naga panics on this text".to_string())))
+}
+
+/// Gives overrides the values that `-O` says; what they begin with is what readers take.
+fn set_overrides(ir: &mut naga::Module, given: &[(String, String)]) {
+    let handles: Vec<_> = ir.overrides.iter().map(|(handle, _)| handle).collect();
+    for handle in handles {
+        let known = &ir.overrides[handle];
+        let id = known.id.map(|id| id.to_string());
+        let named = |key: &String| Some(key) == known.name.as_ref() || Some(key) == id.as_ref();
+        let Some((_, text)) = given.iter().rev().find(|(key, _)| named(key)) else { continue };
+        let TypeInner::Scalar(scalar) = ir.types[known.ty].inner else { continue };
+        let text = text.trim().trim_end_matches(['u', 'i', 'f', 'h']);
+        let literal = match (scalar.kind, scalar.width) {
+            (naga::ScalarKind::Bool, _) => text.parse().ok().map(naga::Literal::Bool),
+            (naga::ScalarKind::Sint, 4) => text.parse().ok().map(naga::Literal::I32),
+            (naga::ScalarKind::Uint, 4) => text.parse().ok().map(naga::Literal::U32),
+            (naga::ScalarKind::Float, 4) => text.parse().ok().map(naga::Literal::F32),
+            (naga::ScalarKind::Float, 8) => text.parse().ok().map(naga::Literal::F64),
+            _ => None,
+        };
+        let Some(literal) = literal else { continue };
+        let expression = naga::Expression::Literal(literal);
+        let value = ir.global_expressions.append(expression, naga::Span::UNDEFINED);
+        ir.overrides[handle].init = Some(value);
+    }
+}
+
+/// The offsets, strides and sizes that types are to have.
+#[derive(Default)]
+struct Wanted {
+    offsets: FxHashMap<Handle<naga::Type>, (Vec<u32>, Option<u32>)>,
+    strides: FxHashMap<Handle<naga::Type>, u32>,
+}
+
+fn collect_block(
+    ir: &naga::Module,
+    ty: Handle<naga::Type>,
+    block: &BlockLayout,
+    wanted: &mut Wanted,
+) {
+    match &ir.types[ty].inner {
+        TypeInner::Struct { members, .. } if members.len() == block.members.len() => {
+            let size = block.size.and_then(|size| u32::try_from(size).ok());
+            collect_members(ir, ty, &block.members, size, wanted);
+        }
+        // A variable that is no structure: its one member is the variable.
+        _ => {
+            if let [member] = &block.members[..] {
+                collect(ir, ty, &member.ty, member, 0, wanted);
+            }
+        }
+    }
+}
+
+fn collect_members(
+    ir: &naga::Module,
+    ty: Handle<naga::Type>,
+    layouts: &[MemberLayout],
+    size: Option<u32>,
+    wanted: &mut Wanted,
+) {
+    let TypeInner::Struct { members, .. } = &ir.types[ty].inner else { return };
+    let offsets: Option<Vec<u32>> =
+        layouts.iter().map(|l| l.offset.and_then(|o| u32::try_from(o).ok())).collect();
+    let Some(offsets) = offsets.filter(|offsets| offsets.len() == members.len()) else { return };
+    for (member, layout) in members.iter().zip(layouts) {
+        collect(ir, member.ty, &layout.ty, layout, 0, wanted);
+    }
+    wanted.offsets.insert(ty, (offsets, size));
+}
+
+fn collect(
+    ir: &naga::Module,
+    ty: Handle<naga::Type>,
+    shape: &Type,
+    layout: &MemberLayout,
+    dim: usize,
+    wanted: &mut Wanted,
+) {
+    match (&ir.types[ty].inner, shape) {
+        (TypeInner::Array { base, .. }, Type::Array { element, .. }) => {
+            collect(ir, *base, element, layout, dim + 1, wanted);
+            if let Some(stride) = layout.strides.get(dim).and_then(|s| u32::try_from(*s).ok()) {
+                wanted.strides.insert(ty, stride);
+            }
+        }
+        (TypeInner::Struct { .. }, Type::Struct(_)) => {
+            // An element of an array ends where the next begins.
+            let size = layout.strides.last().copied().or(layout.size);
+            let size = size.and_then(|size| u32::try_from(size).ok());
+            collect_members(ir, ty, &layout.members, size, wanted);
+        }
+        _ => {}
+    }
+}
+
+/// Puts the numbers in; a type is replaced where it stands, so that handles keep their meaning.
+fn apply(ir: &mut naga::Module, wanted: &Wanted) {
+    let handles: Vec<Handle<naga::Type>> = ir.types.iter().map(|(handle, _)| handle).collect();
+    for handle in handles {
+        let mut ty = ir.types[handle].clone();
+        match &mut ty.inner {
+            TypeInner::Struct { members, span } => {
+                let Some((offsets, size)) = wanted.offsets.get(&handle) else { continue };
+                for (member, offset) in members.iter_mut().zip(offsets) {
+                    member.offset = *offset;
+                }
+                *span = size.unwrap_or(*span);
+            }
+            TypeInner::Array { stride, .. } => {
+                let Some(wants) = wanted.strides.get(&handle) else { continue };
+                *stride = *wants;
+            }
+            _ => continue,
+        }
+        if ir.types[handle] == ty {
+            continue;
+        }
+        // Two types of the same content are one to naga: a name keeps them apart.
+        while ir.types.get(&ty).is_some() {
+            ty.name = Some(format!("{}_", ty.name.unwrap_or_default()));
+        }
+        ir.types.replace(handle, ty);
+    }
+}
+
+/// The functions of a module, as WGSL spells their types.
+pub(super) fn functions(ir: &naga::Module) -> Vec<FunctionInfo> {
+    let bases = ir.functions.iter().map(|(handle, function)| {
+        let parameters = function.arguments.iter().map(|argument| {
+            let (ty, direction) = match ir.types[argument.ty].inner {
+                TypeInner::Pointer { base, .. } => (base, Direction::InOut),
+                _ => (argument.ty, Direction::In),
+            };
+            let name = argument.name.clone().unwrap_or_default();
+            Parameter { name, ty: spelled(ir, ty), direction }
+        });
+        let range = ir.functions.get_span(handle).to_range().unwrap_or_default();
+        FunctionInfo {
+            name: function.name.clone().unwrap_or_default(),
+            parameters: parameters.collect(),
+            returns: function.result.as_ref().map(|result| spelled(ir, result.ty)),
+            span: Span { file: 0, start: range.start as u32, end: range.end as u32 },
+            handle,
+        }
+    });
+    bases.collect()
+}
+
+/// The textures and samplers of a module.
+pub(super) fn handles(ir: &naga::Module) -> Vec<ModuleHandle> {
+    let all = ir.global_variables.iter().filter_map(|(variable, global)| {
+        let kind = match ir.types[global.ty].inner {
+            TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. } => HandleKind::Image,
+            TypeInner::Image { .. } => HandleKind::Texture,
+            TypeInner::Sampler { .. } => HandleKind::Sampler,
+            _ => return None,
+        };
+        let at = global.binding?;
+        let path = global.name.clone().unwrap_or_default();
+        Some(ModuleHandle { path, group: at.group, binding: at.binding, kind, variable })
+    });
+    all.collect()
+}
+
+/// A type as WGSL spells it.
+fn spelled(ir: &naga::Module, ty: Handle<naga::Type>) -> String {
+    let scalar = |scalar: &naga::Scalar| {
+        let kind = match scalar.kind {
+            naga::ScalarKind::Sint => "i",
+            naga::ScalarKind::Uint => "u",
+            naga::ScalarKind::Float => "f",
+            naga::ScalarKind::Bool => return "bool".to_string(),
+            naga::ScalarKind::AbstractInt | naga::ScalarKind::AbstractFloat => "abstract",
+        };
+        format!("{kind}{}", u32::from(scalar.width) * 8)
+    };
+    let ty = &ir.types[ty];
+    match &ty.inner {
+        TypeInner::Scalar(s) => scalar(s),
+        TypeInner::Atomic(s) => format!("atomic<{}>", scalar(s)),
+        TypeInner::Vector { size, scalar: s } => format!("vec{}<{}>", *size as u8, scalar(s)),
+        TypeInner::Matrix { columns, rows, scalar: s } => {
+            format!("mat{}x{}<{}>", *columns as u8, *rows as u8, scalar(s))
+        }
+        TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
+            format!("array<{}, {len}>", spelled(ir, *base))
+        }
+        TypeInner::Array { base, .. } => format!("array<{}>", spelled(ir, *base)),
+        _ => ty.name.clone().unwrap_or_else(|| "a handle".to_string()),
+    }
+}

@@ -1,0 +1,339 @@
+//! The bytes of a block, set and read by name.
+//!
+//! Reads the [model](crate::layout()). A [`Buffer`] owns the bytes that a uniform or storage
+//! buffer is filled with, knows where each name lies in them and which were written since the
+//! last upload; [`encode`] and [`decode`] turn JSON into such bytes and back.
+//!
+//! A **path** is a leaf's name as OpenGL spells it, without the block: `data[3].color`. A column
+//! (`view[2]`) or component (`color.x`, `.r`, `.s`, `color[0]`, `view[2].y`) may follow. The
+//! instance's name (`u_lights.data[3].color`, as the shader spells it) or the block's
+//! (`LightBlock.data[3].color`, as OpenGL's queries do) may precede it, where no member has that
+//! name. The full path of a leaf is found fastest.
+//!
+//! ```
+//! use landfall::{Buffer, Options, Source, layout};
+//!
+//! let text = "struct Light { vec3 pos; vec3 color; float intensity; };
+//!     layout(std140) uniform Lights { Light data[128]; int count; } u_lights;";
+//! let lights = &layout(&Source::new("lights.frag", text), &Options::default()).blocks[0];
+//! let mut buffer = Buffer::new(lights)?;
+//! buffer.set("count", 1)?;
+//! let color = buffer.handle::<[f32; 3]>("data[].color")?;
+//! buffer.set_at(&color, [0], [1.0, 0.5, 0.25])?;
+//! for range in buffer.dirty(64) {
+//!     let _upload = (range.start, &buffer.bytes()[range]);
+//! }
+//! buffer.clear_dirty();
+//! # Ok::<(), landfall::BufferError>(())
+//! ```
+
+mod decode;
+mod dirty;
+mod encode;
+mod error;
+pub mod float;
+mod grid;
+mod handle;
+mod index;
+mod json;
+mod number;
+mod padding;
+mod pod;
+mod resolve;
+mod value;
+
+use std::sync::Arc;
+
+use crate::layout::BlockLayout;
+use dirty::{Dirty, Mark};
+use grid::{Extent, Grid, language};
+use index::Index;
+use resolve::{What, not_a_leaf, resolve};
+use value::Fit;
+
+pub use decode::{Decoded, Element, decode};
+pub use dirty::{Ranges, Upload};
+pub use encode::{Missing, encode};
+pub use error::BufferError;
+pub use handle::Handle;
+pub use json::kind;
+pub use json::{EncodeError, read_json};
+pub use number::Datum;
+pub use number::{Unfit, bits};
+pub use padding::{Finding, Findings};
+pub use value::{Component, Value};
+
+/// The bytes of one block, and what was written to them.
+///
+/// Everything starts as zero, padding included; setting by name never touches padding. A clone
+/// has bytes of its own and shares what is known of the block, so clone one buffer rather than
+/// make many.
+#[derive(Clone, Debug)]
+pub struct Buffer {
+    compiled: Arc<Compiled>,
+    /// What a handle made for it has too: the fingerprint of the block with the tail's length.
+    key: u64,
+    bytes: Vec<u8>,
+    /// Elements of the runtime-sized array at the end.
+    tail: usize,
+    dirty: Dirty,
+}
+
+/// What is known of a block, shared by the buffers of it.
+#[derive(Debug)]
+struct Compiled {
+    block: BlockLayout,
+    extent: Extent,
+    index: Index,
+}
+
+impl Buffer {
+    /// A buffer for a block of fixed size: [`BlockLayout::size`] bytes.
+    ///
+    /// # Errors
+    /// Loose uniforms, a size that depends on an override without a value, a runtime-sized array
+    /// at the end ([`with_tail`](Buffer::with_tail) takes its length).
+    pub fn new(block: &BlockLayout) -> Result<Buffer, BufferError> {
+        let extent = Extent::of(block)?;
+        match extent.tail {
+            Some(tail) => {
+                let (block, path) = (block.name.to_string(), format!("{}[]", tail.name));
+                Err(BufferError::NeedsTail { block, path })
+            }
+            None => Buffer::sized(block, extent, 0),
+        }
+    }
+
+    /// A buffer for a block that ends in a runtime-sized array of that many elements.
+    ///
+    /// It is as long as the elements need, and at least [`BlockLayout::size`], which counts one:
+    /// shaders take the array's length from the bytes that are bound.
+    ///
+    /// # Errors
+    /// Those of [`new`](Buffer::new), and a block without such an array.
+    pub fn with_tail(block: &BlockLayout, elements: usize) -> Result<Buffer, BufferError> {
+        let extent = Extent::of(block)?;
+        if extent.tail.is_none() {
+            return Err(BufferError::NoTail { block: block.name.to_string() });
+        }
+        Buffer::sized(block, extent, elements)
+    }
+
+    /// A buffer that starts with bytes read back from elsewhere; nothing in it is dirty.
+    ///
+    /// # Errors
+    /// Those of [`new`](Buffer::new), and bytes of another length than the block's; a
+    /// runtime-sized array has as many elements as they hold.
+    pub fn from_bytes(block: &BlockLayout, bytes: &[u8]) -> Result<Buffer, BufferError> {
+        let extent = Extent::of(block)?;
+        let elements = extent.elements(bytes.len());
+        if extent.bytes(elements) != Some(bytes.len()) {
+            let (wanted, given) = (extent.size as u64, bytes.len() as u64);
+            let block = block.name.to_string();
+            return Err(BufferError::WrongLength { block, wanted, given, cut: None });
+        }
+        let mut buffer = Buffer::sized(block, extent, elements)?;
+        buffer.bytes.copy_from_slice(bytes);
+        Ok(buffer)
+    }
+
+    fn sized(block: &BlockLayout, extent: Extent, tail: usize) -> Result<Buffer, BufferError> {
+        let bytes = zeroes(block, &extent, tail)?;
+        let dirty = Dirty::new(bytes.len());
+        let index = Index::of(block);
+        let key = index.fingerprint ^ (tail as u64).rotate_left(16);
+        let compiled = Arc::new(Compiled { block: block.clone(), extent, index });
+        Ok(Buffer { compiled, key, bytes, tail, dirty })
+    }
+
+    /// The block it holds.
+    pub fn block(&self) -> &BlockLayout {
+        &self.compiled.block
+    }
+
+    /// Elements of the runtime-sized array at the end; 0 where there is none.
+    pub fn tail_len(&self) -> usize {
+        self.tail
+    }
+
+    /// All bytes, as they are to be uploaded.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// All bytes, without the buffer.
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.bytes
+    }
+
+    /// Sets a scalar, vector or matrix by its path.
+    ///
+    /// # Errors
+    /// A path that names nothing, or more than one value; an index out of range; a value of
+    /// another type than the shader's. Nothing is converted, except `f32` to a smaller float.
+    #[inline]
+    pub fn set<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
+        match self.compiled.index.find(path, self.tail) {
+            Some(row) if row.code == T::CODE && self.store(row.offset, value) => Ok(()),
+            _ => self.set_resolved(path, value),
+        }
+    }
+
+    /// Sets what [`Index::find`] did not: another spelling, components with gaps, or an error.
+    #[inline(never)]
+    fn set_resolved<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
+        let (offset, grid) = self.leaf::<T>(path)?;
+        if self.store_cells(offset, &grid, value) {
+            return Ok(());
+        }
+        let (offset, size) = (offset as u64, grid.span() as u64);
+        Err(BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 })
+    }
+
+    /// Reads a scalar, vector or matrix by its path.
+    ///
+    /// # Errors
+    /// Those of [`set`](Buffer::set).
+    #[inline]
+    pub fn get<T: Value>(&self, path: &str) -> Result<T, BufferError> {
+        if let Some(row) = self.compiled.index.find(path, self.tail) {
+            let from = self.bytes.get(row.offset..).and_then(|bytes| bytes.get(..T::BYTES));
+            if let Some(from) = from.filter(|_| row.code == T::CODE) {
+                return Ok(T::fetch(from));
+            }
+        }
+        let (offset, grid) = self.leaf::<T>(path)?;
+        self.load(offset, &grid).ok_or_else(|| {
+            let (offset, size) = (offset as u64, grid.span() as u64);
+            BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 }
+        })
+    }
+
+    /// The leaf that a path names, by whatever spelling.
+    fn leaf<T: Value>(&self, path: &str) -> Result<(usize, Grid), BufferError> {
+        let block = self.block();
+        let place = resolve(block, self.tail, path, None)?;
+        let What::Leaf(grid) = place.what else {
+            return Err(not_a_leaf(block, path, place.what));
+        };
+        if value::fit::<T>(&grid) == Fit::No {
+            return Err(wrong_type::<T>(block, path, &grid));
+        }
+        Ok((place.offset as usize, grid))
+    }
+
+    /// Writes a value without a gap; `false` when it would end past the buffer.
+    #[inline]
+    fn store<T: Value>(&mut self, offset: usize, value: T) -> bool {
+        let Some(end) = offset.checked_add(T::BYTES) else { return false };
+        let Some(to) = self.bytes.get_mut(offset..end) else { return false };
+        value.store(to);
+        if T::Component::WIDTH % dirty::WORD == 0 {
+            self.dirty.mark_words(offset, T::BYTES / dirty::WORD);
+        } else {
+            self.dirty.mark(offset, T::BYTES);
+        }
+        true
+    }
+
+    /// Writes a value without a gap, marked as written by what its handle knows.
+    #[inline]
+    fn store_marked<T: Value>(&mut self, offset: u32, mark: Mark, value: T) -> bool {
+        let offset = offset as usize;
+        let Some(end) = offset.checked_add(T::BYTES) else { return false };
+        let Some(to) = self.bytes.get_mut(offset..end) else { return false };
+        value.store(to);
+        self.dirty.mark_at(mark, offset, T::BYTES);
+        true
+    }
+
+    /// Writes a value component by component; `false` when it would end past the buffer.
+    fn store_cells<T: Value>(&mut self, offset: usize, grid: &Grid, value: T) -> bool {
+        let span = grid.span();
+        let to = self.bytes.get_mut(offset..).and_then(|bytes| bytes.get_mut(..span));
+        let Some(to) = to else { return false };
+        let fit = value::fit::<T>(grid);
+        let width = usize::from(grid.scalar.width);
+        let is_matrix = grid.columns > 1 && grid.rows > 1;
+        for (column, row) in grid.cells() {
+            let at = grid.component(column, row);
+            let cell = &mut to[at..at + width];
+            match fit {
+                Fit::Same => value.component(column, row).put(cell),
+                Fit::Narrowed => value.component(column, row).put_as(grid.scalar, cell),
+                Fit::No => return false,
+            }
+            if !is_matrix {
+                self.dirty.mark(offset + at, width);
+            }
+        }
+        if is_matrix {
+            // The padding between columns is zero, and one range is cheaper than two to four.
+            self.dirty.mark(offset, span);
+        }
+        true
+    }
+
+    /// Reads a value; `None` when it would end past the buffer.
+    #[inline]
+    fn load<T: Value>(&self, offset: usize, grid: &Grid) -> Option<T> {
+        let from = self.bytes.get(offset..)?.get(..grid.span())?;
+        let width = usize::from(grid.scalar.width);
+        let same = value::fit::<T>(grid) == Fit::Same;
+        Some(T::build(|column, row| {
+            let at = grid.component(column, row);
+            let cell = &from[at..at + width];
+            if same { T::Component::take(cell) } else { T::Component::take_as(grid.scalar, cell) }
+        }))
+    }
+
+    /// The bytes written since the last [`clear_dirty`](Buffer::clear_dirty), in order; ranges
+    /// that are at most `gap` bytes apart are one.
+    pub fn dirty(&self, gap: usize) -> Ranges<'_> {
+        self.dirty.ranges(gap)
+    }
+
+    /// How many bytes, in how many ranges, an upload with that gap would move; with a gap of 0,
+    /// the fewest that do.
+    pub fn upload(&self, gap: usize) -> Upload {
+        let start = Upload { ranges: 0, bytes: 0, whole: self.bytes.len() };
+        self.dirty(gap).fold(start, |sum, range| Upload {
+            ranges: sum.ranges + 1,
+            bytes: sum.bytes + range.len(),
+            whole: sum.whole,
+        })
+    }
+
+    /// Forgets what was written: it has been uploaded.
+    pub fn clear_dirty(&mut self) {
+        self.dirty.clear();
+    }
+
+    /// Marks everything as written: for a new buffer on the GPU.
+    pub fn mark_all(&mut self) {
+        self.dirty.mark(0, self.bytes.len());
+    }
+}
+
+/// The zeroed bytes of a block with that many elements in its tail.
+fn zeroes(block: &BlockLayout, extent: &Extent, tail: usize) -> Result<Vec<u8>, BufferError> {
+    let too_large = |bytes: usize| {
+        let block = block.name.to_string();
+        BufferError::TooLarge { block, bytes: bytes as u64 }
+    };
+    let bytes = extent.bytes(tail).ok_or_else(|| too_large(usize::MAX))?;
+    // Refused here rather than in the allocation that fetches zeroed pages.
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| too_large(bytes))?;
+    Ok(vec![0; bytes])
+}
+
+/// A value of another type than the leaf's.
+#[cold]
+fn wrong_type<T: Value>(block: &BlockLayout, path: &str, grid: &Grid) -> BufferError {
+    BufferError::WrongType {
+        path: path.to_string(),
+        shader: grid.spelled(language(block)),
+        given: value::spelled::<T>(),
+        wanted: value::wanted(grid),
+    }
+}

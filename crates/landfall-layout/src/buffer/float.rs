@@ -1,0 +1,180 @@
+//! Floats of fewer than 32 bits, which Rust has no types for: to bits and back.
+//!
+//! IEEE 754 binary16 and bfloat16 go through [`half`]; the two 8-bit formats are those of the
+//! OCP 8-bit floating point specification 1.0, §5.
+
+use std::cmp::Ordering;
+
+use crate::shape::{Scalar, ScalarKind};
+
+/// E4M3: bias 7, no infinity, and only the mantissa of all ones is a NaN.
+const E4M3_MAX: u8 = 0x7e;
+/// E5M2: the upper half of a binary16.
+const E5M2_MAX: u8 = 0x7b;
+
+/// The bits of the component nearest to a number, ties to even; infinity past the largest, or
+/// NaN in E4M3, which has none. Integers and bools have no nearest: 0.
+pub(crate) fn narrow(scalar: Scalar, number: f64) -> u64 {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 8) => number.to_bits(),
+        (ScalarKind::Float, 2) => half::f16::from_f32_const(odd(number)).to_bits().into(),
+        (ScalarKind::Float, _) => (number as f32).to_bits().into(),
+        (ScalarKind::Bfloat, _) => half::bf16::from_f32_const(odd(number)).to_bits().into(),
+        (ScalarKind::FloatE5m2, _) => nearest(scalar, number, E5M2_MAX, 0x7c).into(),
+        (ScalarKind::FloatE4m3, _) => nearest(scalar, number, E4M3_MAX, 0x7f).into(),
+        (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => 0,
+    }
+}
+
+/// A number rounded to an `f32` with an odd last bit where it is none: what is rounded to fewer
+/// bits after that is rounded as if at once. `from_f64` of `half` 2.7.1 drops the lower 32 bits
+/// instead, and what lies just above the middle of two numbers goes to the wrong one.
+pub fn odd(number: f64) -> f32 {
+    let near = number as f32;
+    let bits = near.to_bits();
+    match f64::from(near).abs().total_cmp(&number.abs()) {
+        Ordering::Less => f32::from_bits(bits | 1),
+        Ordering::Greater if bits & 1 == 0 && !near.is_nan() => f32::from_bits(bits - 1),
+        Ordering::Equal | Ordering::Greater => near,
+    }
+}
+
+/// The number a float component's bits stand for, exactly. Integers and bools: their bits.
+pub(crate) fn widen(scalar: Scalar, bits: u64) -> f64 {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 8) => f64::from_bits(bits),
+        (ScalarKind::Float, 2) => half::f16::from_bits(bits as u16).to_f64(),
+        (ScalarKind::Float, _) => f32::from_bits(bits as u32).into(),
+        (ScalarKind::Bfloat, _) => half::bf16::from_bits(bits as u16).to_f64(),
+        (ScalarKind::FloatE5m2, _) => half::f16::from_bits((bits as u16) << 8).to_f64(),
+        (ScalarKind::FloatE4m3, _) => {
+            let sign = if bits & 0x80 == 0 { 1.0 } else { -1.0 };
+            let (exponent, mantissa) = ((bits >> 3 & 15) as i32, (bits & 7) as f64);
+            let magnitude = match (exponent, bits & 7) {
+                (15, 7) => f64::NAN,
+                (0, _) => mantissa / 8.0 * 2f64.powi(-6),
+                _ => (1.0 + mantissa / 8.0) * 2f64.powi(exponent - 7),
+            };
+            sign * magnitude
+        }
+        (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => bits as f64,
+    }
+}
+
+/// The unit of the last place of the `f32` nearest to a number; that of the largest beyond it.
+pub fn last_place(number: f64) -> f64 {
+    let magnitude = number.abs().max(f64::from(f32::MIN_POSITIVE));
+    let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
+    f64::powi(2.0, exponent.min(127) - 23)
+}
+
+/// The bits of the quiet NaN that `"nan"` alone means; `None` for integers and bools.
+pub(crate) fn quiet_nan(scalar: Scalar) -> Option<u64> {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 8) => Some(0x7ff8 << 48),
+        (ScalarKind::Float, 2) => Some(0x7e00),
+        (ScalarKind::Float, _) => Some(0x7fc0_0000),
+        (ScalarKind::Bfloat, _) => Some(0x7fc0),
+        (ScalarKind::FloatE5m2, _) => Some(0x7e),
+        (ScalarKind::FloatE4m3, _) => Some(0x7f),
+        (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => None,
+    }
+}
+
+/// The 8-bit float nearest to a number: `max` is the largest finite one, `over` what lies beyond.
+fn nearest(scalar: Scalar, number: f64, max: u8, over: u8) -> u8 {
+    let sign = if number.is_sign_negative() { 0x80 } else { 0 };
+    if number.is_nan() {
+        return sign | quiet_nan(scalar).map_or(over, |bits| bits as u8);
+    }
+    let value = |bits: u8| widen(scalar, bits.into());
+    let magnitude = number.abs();
+    // Positive floats are ordered like their bits.
+    let above = (0..=max).collect::<Vec<u8>>().partition_point(|&bits| value(bits) <= magnitude);
+    let below = above as u8 - 1;
+    let step =
+        if below == max { value(max) - value(max - 1) } else { value(below + 1) - value(below) };
+    let past = magnitude - value(below);
+    let up = past > step / 2.0 || (past == step / 2.0 && below % 2 == 1);
+    let bits = if !up {
+        below
+    } else if below == max {
+        over
+    } else {
+        below + 1
+    };
+    sign | bits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const F16: Scalar = Scalar::F16;
+    const BF16: Scalar = Scalar { kind: ScalarKind::Bfloat, width: 2 };
+    const E5M2: Scalar = Scalar { kind: ScalarKind::FloatE5m2, width: 1 };
+    const E4M3: Scalar = Scalar { kind: ScalarKind::FloatE4m3, width: 1 };
+
+    #[test]
+    fn known_numbers_have_the_bits_of_their_specifications() {
+        // IEEE 754 binary16: 1, the largest, the smallest, 1/3.
+        for (number, bits) in [(1.0, 0x3c00), (65504.0, 0x7bff), (2f64.powi(-24), 1)] {
+            assert_eq!(narrow(F16, number), bits);
+        }
+        assert_eq!(narrow(F16, 1.0 / 3.0), 0x3555);
+        assert_eq!(narrow(BF16, 1.0), 0x3f80);
+        // OCP OFP8 table 2: largest, smallest normal, smallest subnormal of each.
+        for (number, bits) in [(448.0, 0x7e), (2f64.powi(-6), 0x08), (2f64.powi(-9), 0x01)] {
+            assert_eq!(narrow(E4M3, number), bits);
+            assert_eq!(widen(E4M3, bits), number);
+        }
+        for (number, bits) in [(57344.0, 0x7b), (2f64.powi(-14), 0x04), (2f64.powi(-16), 0x01)] {
+            assert_eq!(narrow(E5M2, number), bits);
+            assert_eq!(widen(E5M2, bits), number);
+        }
+    }
+
+    #[test]
+    fn what_lies_just_above_the_middle_goes_up() {
+        // The upper half of each interval begins 2^-40 above its middle, past the bits of an f32.
+        let above = 2f64.powi(-40);
+        assert_eq!(narrow(F16, 1.0 + 2f64.powi(-11) + above), 0x3c01);
+        assert_eq!(narrow(F16, -1.0 - 2f64.powi(-11) - above), 0xbc01);
+        assert_eq!(narrow(F16, 1.0 + 2f64.powi(-11) - above), 0x3c00);
+        assert_eq!(narrow(F16, 2f64.powi(-25) * (1.0 + above)), 1);
+        assert_eq!(narrow(BF16, 1.0 + 2f64.powi(-8) + above), 0x3f81);
+        assert_eq!(narrow(BF16, 1.0 + 2f64.powi(-8) - above), 0x3f80);
+        assert_eq!((odd(1e300), odd(f64::INFINITY)), (f32::MAX, f32::INFINITY));
+    }
+
+    #[test]
+    fn ties_go_to_the_even_neighbour() {
+        assert_eq!(narrow(F16, 1.0 + 2f64.powi(-11)), 0x3c00);
+        assert_eq!(narrow(F16, 1.0 + 3.0 * 2f64.powi(-11)), 0x3c02);
+        assert_eq!(narrow(E4M3, 1.0 + 1.0 / 16.0), 0x38);
+        assert_eq!(narrow(E4M3, 1.0 + 3.0 / 16.0), 0x3a);
+        assert_eq!(narrow(E5M2, -1.125), 0xbc);
+    }
+
+    #[test]
+    fn beyond_the_largest_is_infinity_or_nan() {
+        assert_eq!(narrow(F16, 65520.0), 0x7c00);
+        assert_eq!(narrow(E5M2, 61440.0), 0x7c);
+        assert_eq!(narrow(E5M2, f64::NEG_INFINITY), 0xfc);
+        assert_eq!(narrow(E4M3, 464.0), 0x7e);
+        assert_eq!(narrow(E4M3, 465.0), 0x7f);
+        assert!(widen(E4M3, 0x7f).is_nan() && widen(E5M2, 0x7d).is_nan());
+    }
+
+    #[test]
+    fn every_small_float_comes_back_from_its_number() {
+        for scalar in [F16, BF16, E5M2, E4M3] {
+            for bits in 0..1u64 << (8 * scalar.width) {
+                let number = widen(scalar, bits);
+                if !number.is_nan() {
+                    assert_eq!(narrow(scalar, number), bits, "{scalar:?} {bits:#x}");
+                }
+            }
+        }
+    }
+}

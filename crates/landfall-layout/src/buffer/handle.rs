@@ -1,0 +1,200 @@
+//! A leaf resolved once, to be set and read many times without its name.
+
+use std::marker::PhantomData;
+
+use super::dirty::Mark;
+use super::error::BufferError;
+use super::grid::{Dim, Grid};
+use super::resolve::{What, not_a_leaf, resolve};
+use super::value;
+use super::value::{Fit, Value};
+use super::{Buffer, wrong_type};
+
+/// A leaf of a block, with the Rust type that it is set from and read as.
+///
+/// Made by [`Buffer::handle`]; works with every buffer of a block that is laid out alike.
+#[derive(Clone, Debug)]
+pub struct Handle<T> {
+    /// The key of the buffer it was made for and the number of open dimensions; of no buffer
+    /// where the components are not to be copied as they are.
+    key: u64,
+    /// Of the first element.
+    offset: u32,
+    /// What marks it as written, where no dimension is open.
+    mark: Mark,
+    /// The first open dimension; one element where there is none.
+    len: usize,
+    stride: usize,
+    /// The dimensions left open, outermost first.
+    dims: Box<[Dim]>,
+    fingerprint: u64,
+    grid: Grid,
+    path: Box<str>,
+    value: PhantomData<fn() -> T>,
+}
+
+/// More dimensions than any path has.
+const NOT_PLAIN: u64 = 1 << 32;
+
+impl<T> Handle<T> {
+    /// The path it was made of.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+}
+
+impl<T: Value> Handle<T> {
+    pub(super) fn new(buffer: &Buffer, path: &str) -> Result<Handle<T>, BufferError> {
+        let block = buffer.block();
+        let mut dims = Vec::new();
+        let place = resolve(block, buffer.tail, path, Some(&mut |dim| dims.push(dim)))?;
+        let What::Leaf(grid) = place.what else {
+            return Err(not_a_leaf(block, path, place.what));
+        };
+        let fit = value::fit::<T>(&grid);
+        if fit == Fit::No {
+            return Err(wrong_type::<T>(block, path, &grid));
+        }
+        let plain = fit == Fit::Same && grid.is_plain();
+        let first = dims.first().copied().unwrap_or(Dim { len: Some(1), stride: 0 });
+        Ok(Handle {
+            key: buffer.key.wrapping_add(if plain { dims.len() as u64 } else { NOT_PLAIN }),
+            // No block is larger than 2^32 bytes.
+            offset: place.offset as u32,
+            mark: Mark::of(place.offset as usize, grid.span()),
+            len: first.len.unwrap_or(buffer.tail),
+            stride: first.stride,
+            dims: dims.into(),
+            fingerprint: buffer.compiled.index.fingerprint,
+            grid,
+            path: path.into(),
+            value: PhantomData,
+        })
+    }
+}
+
+impl Buffer {
+    /// Resolves a path to a handle; `[]` leaves an index open: `data[].color`, `w[2][]`.
+    ///
+    /// # Errors
+    /// What [`set`](Buffer::set) says of a path and a type.
+    pub fn handle<T: Value>(&self, path: &str) -> Result<Handle<T>, BufferError> {
+        Handle::new(self, path)
+    }
+
+    /// Sets the element of a handle at those indices, as many as it left open.
+    ///
+    /// # Errors
+    /// An index out of range, or the handle of another block.
+    #[inline]
+    pub fn set_at<T: Value, const N: usize>(
+        &mut self,
+        handle: &Handle<T>,
+        at: [usize; N],
+        value: T,
+    ) -> Result<(), BufferError> {
+        let stored = match self.locate(handle, &at) {
+            Some(_) if N == 0 => self.store_marked(handle.offset, handle.mark, value),
+            Some(offset) => self.store(offset, value),
+            None => false,
+        };
+        if stored {
+            return Ok(());
+        }
+        // Copies, so that the fast path need not have them in memory.
+        let (at, value) = (at.map(|index| index), T::build(|c, r| value.component(c, r)));
+        self.set_slowly(handle, &at, value)
+    }
+
+    /// Reads the element of a handle at those indices, as many as it left open.
+    ///
+    /// # Errors
+    /// An index out of range, or the handle of another block.
+    #[inline]
+    pub fn get_at<T: Value, const N: usize>(
+        &self,
+        handle: &Handle<T>,
+        at: [usize; N],
+    ) -> Result<T, BufferError> {
+        let from = self.locate(handle, &at).and_then(|offset| self.bytes.get(offset..));
+        match from.and_then(|from| from.get(..T::BYTES)) {
+            Some(from) => Ok(T::fetch(from)),
+            None => self.get_slowly(handle, &at),
+        }
+    }
+
+    /// The offset of an element, if the handle was made for a buffer like this, its components
+    /// follow each other without a gap, and the indices are right.
+    #[inline]
+    fn locate<T, const N: usize>(&self, handle: &Handle<T>, at: &[usize; N]) -> Option<usize> {
+        if handle.key != self.key.wrapping_add(N as u64) {
+            return None;
+        }
+        let mut offset = handle.offset as usize;
+        if let Some((&index, rest)) = at.split_first() {
+            if index >= handle.len {
+                return None;
+            }
+            offset += index * handle.stride;
+            for (dim, &index) in handle.dims.iter().skip(1).zip(rest) {
+                // Only the first dimension of a block's array may be runtime-sized.
+                if index >= dim.len? {
+                    return None;
+                }
+                offset += index * dim.stride;
+            }
+        }
+        Some(offset)
+    }
+
+    /// The offset of an element, if handle and indices are those of this buffer.
+    fn locate_slowly<T>(&self, handle: &Handle<T>, at: &[usize]) -> Option<usize> {
+        if handle.fingerprint != self.compiled.index.fingerprint || handle.dims.len() != at.len() {
+            return None;
+        }
+        handle.dims.iter().zip(at).try_fold(handle.offset as usize, |offset, (dim, &index)| {
+            (index < dim.len.unwrap_or(self.tail)).then(|| offset + index * dim.stride)
+        })
+    }
+
+    #[inline(never)]
+    fn set_slowly<T: Value>(
+        &mut self,
+        handle: &Handle<T>,
+        at: &[usize],
+        value: T,
+    ) -> Result<(), BufferError> {
+        match self.locate_slowly(handle, at) {
+            Some(offset) if self.store_cells(offset, &handle.grid, value) => Ok(()),
+            _ => Err(self.cannot_locate(handle, at)),
+        }
+    }
+
+    #[inline(never)]
+    fn get_slowly<T: Value>(&self, handle: &Handle<T>, at: &[usize]) -> Result<T, BufferError> {
+        let offset = self.locate_slowly(handle, at);
+        let read = offset.and_then(|offset| self.load(offset, &handle.grid));
+        read.ok_or_else(|| self.cannot_locate(handle, at))
+    }
+
+    #[cold]
+    fn cannot_locate<T>(&self, handle: &Handle<T>, at: &[usize]) -> BufferError {
+        let path = handle.path.to_string();
+        if handle.fingerprint != self.compiled.index.fingerprint {
+            return BufferError::OtherBlock { block: self.block().name.to_string() };
+        }
+        if handle.dims.len() != at.len() {
+            let (wanted, given) = (handle.dims.len(), at.len());
+            return BufferError::WrongIndices { path, wanted, given };
+        }
+        for (dim, &index) in handle.dims.iter().zip(at) {
+            let len = dim.len.unwrap_or(self.tail);
+            if index >= len {
+                return super::resolve::out_of_range(&path, index as u64, len as u64, *dim);
+            }
+        }
+        // The handle itself names an element that this buffer's tail does not have.
+        let (offset, size) = (handle.offset.into(), handle.grid.span() as u64);
+        BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 }
+    }
+}

@@ -1,0 +1,182 @@
+//! One component of a leaf between its bits and JSON.
+//!
+//! Numbers are numbers and bools are `true` and `false`. What JSON cannot say is a string:
+//! `"inf"`, `"-inf"`, `"nan"` for the quiet NaN without a payload, `"nan:0x7fc00001"` for the
+//! bits of any other. A bool whose 4 bytes are neither 0 nor 1 is their number.
+
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+
+use super::float::{narrow, quiet_nan, widen};
+use crate::shape::{Scalar, ScalarKind};
+
+/// One component as it stands in the bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Datum {
+    /// What it is.
+    pub scalar: Scalar,
+    /// Its bits; those above its width are 0.
+    pub bits: u64,
+}
+
+/// What a component is, as a Rust number.
+enum Meaning {
+    Bool(bool),
+    Int(i64),
+    Uint(u64),
+    Float(f64),
+}
+
+impl Datum {
+    /// Whether it is a float that is not a number.
+    pub fn is_nan(self) -> bool {
+        matches!(self.meaning(), Meaning::Float(number) if number.is_nan())
+    }
+
+    /// Whether it is an infinite float.
+    pub fn is_infinite(self) -> bool {
+        matches!(self.meaning(), Meaning::Float(number) if number.is_infinite())
+    }
+
+    /// Whether it is a bool that is neither 0 nor 1.
+    pub fn is_odd_bool(self) -> bool {
+        self.scalar.kind == ScalarKind::Bool && self.bits > 1
+    }
+
+    fn meaning(self) -> Meaning {
+        let unused = 64 - 8 * u32::from(self.scalar.width);
+        match self.scalar.kind {
+            ScalarKind::Bool if self.bits > 1 => Meaning::Uint(self.bits),
+            ScalarKind::Bool => Meaning::Bool(self.bits == 1),
+            ScalarKind::Sint => Meaning::Int((self.bits << unused) as i64 >> unused),
+            ScalarKind::Uint => Meaning::Uint(self.bits),
+            ScalarKind::Float
+            | ScalarKind::Bfloat
+            | ScalarKind::FloatE5m2
+            | ScalarKind::FloatE4m3 => Meaning::Float(widen(self.scalar, self.bits)),
+        }
+    }
+
+    /// The string for a float that JSON has no number for.
+    fn word(self, number: f64) -> Option<String> {
+        if number.is_nan() {
+            let digits = usize::from(self.scalar.width) * 2;
+            return Some(match quiet_nan(self.scalar) == Some(self.bits) {
+                true => "nan".to_string(),
+                false => format!("nan:0x{:0digits$x}", self.bits),
+            });
+        }
+        let sign = if number < 0.0 { "-" } else { "" };
+        number.is_infinite().then(|| format!("{sign}inf"))
+    }
+
+    /// The shortest number that reads back as this one through an `f64`, as a reader of JSON
+    /// takes it; `None` when only the exact one does.
+    fn short(self, number: f64) -> Option<f32> {
+        let short = number as f32;
+        let read: f64 = format!("{short:e}").parse().ok()?;
+        (self.scalar.width < 8 && narrow(self.scalar, read) == self.bits).then_some(short)
+    }
+}
+
+impl fmt::Display for Datum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.meaning() {
+            Meaning::Bool(value) => write!(f, "{value}"),
+            Meaning::Int(number) => write!(f, "{number}"),
+            Meaning::Uint(number) => write!(f, "{number}"),
+            Meaning::Float(number) => match (self.word(number), self.short(number)) {
+                (Some(word), _) => f.write_str(&word),
+                (None, Some(short)) => write!(f, "{short:?}"),
+                (None, None) => write!(f, "{number:?}"),
+            },
+        }
+    }
+}
+
+impl Serialize for Datum {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.meaning() {
+            Meaning::Bool(value) => serializer.serialize_bool(value),
+            Meaning::Int(number) => serializer.serialize_i64(number),
+            Meaning::Uint(number) => serializer.serialize_u64(number),
+            Meaning::Float(number) => match (self.word(number), self.short(number)) {
+                (Some(word), _) => serializer.serialize_str(&word),
+                (None, Some(short)) => serializer.serialize_f32(short),
+                (None, None) => serializer.serialize_f64(number),
+            },
+        }
+    }
+}
+
+/// Why a JSON value cannot be a component.
+pub enum Unfit {
+    /// It is not such a thing: what would be.
+    Kind(&'static str),
+    /// It is, but too large, too small, or not in the format.
+    Range,
+}
+
+/// The bits of a component given in JSON.
+pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, Unfit> {
+    let width = u32::from(scalar.width);
+    let mask = u64::MAX >> (64 - 8 * width);
+    match scalar.kind {
+        ScalarKind::Bool => match value {
+            Value::Bool(value) => Ok(u64::from(*value)),
+            Value::Number(number) => match number.as_u64() {
+                Some(bits) if bits <= mask => Ok(bits),
+                _ => Err(Unfit::Range),
+            },
+            _ => Err(Unfit::Kind("true or false")),
+        },
+        ScalarKind::Sint => match value {
+            Value::Number(number) if number.is_i64() || number.is_u64() => {
+                let number = number.as_i64().ok_or(Unfit::Range)?;
+                let unused = 64 - 8 * width;
+                let fits = (number << unused) >> unused == number;
+                if fits { Ok(number as u64 & mask) } else { Err(Unfit::Range) }
+            }
+            _ => Err(Unfit::Kind("an integer")),
+        },
+        ScalarKind::Uint => match value {
+            Value::Number(number) if number.is_i64() || number.is_u64() => {
+                number.as_u64().filter(|&number| number <= mask).ok_or(Unfit::Range)
+            }
+            _ => Err(Unfit::Kind("an integer")),
+        },
+        ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
+            match value {
+                Value::Number(number) => {
+                    let bits = narrow(scalar, number.as_f64().ok_or(Unfit::Range)?);
+                    if widen(scalar, bits).is_finite() { Ok(bits) } else { Err(Unfit::Range) }
+                }
+                Value::String(word) => word_bits(scalar, word),
+                _ => Err(Unfit::Kind("a number")),
+            }
+        }
+    }
+}
+
+/// The bits of `inf`, `-inf`, `nan` or `nan:0x…`.
+fn word_bits(scalar: Scalar, word: &str) -> Result<u64, Unfit> {
+    let kind = Unfit::Kind("a number, \"inf\", \"-inf\", \"nan\" or \"nan:0x…\" with its bits");
+    let infinite = |number: f64| {
+        let bits = narrow(scalar, number);
+        if widen(scalar, bits).is_infinite() { Ok(bits) } else { Err(Unfit::Range) }
+    };
+    match word {
+        "inf" => infinite(f64::INFINITY),
+        "-inf" => infinite(f64::NEG_INFINITY),
+        "nan" => quiet_nan(scalar).ok_or(kind),
+        _ => {
+            let digits = word.strip_prefix("nan:0x").filter(|digits| !digits.starts_with('+'));
+            let bits = digits.and_then(|d| u64::from_str_radix(d, 16).ok()).ok_or(kind)?;
+            let mask = u64::MAX >> (64 - 8 * u32::from(scalar.width));
+            let is_nan = bits <= mask && widen(scalar, bits).is_nan();
+            if is_nan { Ok(bits) } else { Err(Unfit::Range) }
+        }
+    }
+}

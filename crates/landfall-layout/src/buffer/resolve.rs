@@ -1,0 +1,381 @@
+//! What a path names, step by step through the members: structures and arrays, columns and
+//! components, the optional name of the block, and every way a path can be wrong.
+//!
+//! The common case, the full path of a leaf, is found by [`index`](super::index) instead.
+
+use super::error::BufferError;
+use super::grid::{Dim, Grid, language};
+use crate::layout::{BlockLayout, MemberLayout};
+use crate::shape::{ArrayLen, Rules, Type};
+use crate::text::edit_distance::nearest;
+
+/// A place in a block that has a name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place<'b> {
+    /// From the start of the block.
+    pub offset: u64,
+    pub what: What<'b>,
+    /// The last index on the way, 0 where there is none.
+    pub index: u64,
+}
+
+impl<'b> Place<'b> {
+    /// The whole block.
+    pub const BLOCK: Place<'static> = Place { offset: 0, what: What::Block, index: 0 };
+
+    /// A member of what stands here.
+    pub fn member(self, member: &'b MemberLayout) -> Place<'b> {
+        let offset = self.offset + member.offset.unwrap_or(0);
+        Place { offset, what: element(member, 0), index: 0 }
+    }
+
+    /// An element of the array that stands here: a member from that dimension inwards.
+    pub fn element(self, member: &'b MemberLayout, dim: usize, index: u64) -> Place<'b> {
+        let offset = self.offset + index * member.strides[dim];
+        Place { offset, what: element(member, dim + 1), index }
+    }
+}
+
+/// What stands at a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum What<'b> {
+    /// The whole block.
+    Block,
+    /// A member's array from that dimension inwards.
+    Array(&'b MemberLayout, usize),
+    /// One element of a member that is a structure.
+    Struct(&'b MemberLayout),
+    /// A scalar, vector or matrix, or a column or component of one.
+    Leaf(Grid),
+}
+
+/// A path being read.
+struct Reader<'p, 'b> {
+    block: &'b BlockLayout,
+    path: &'p str,
+    at: usize,
+    /// Elements of the runtime-sized tail.
+    tail: usize,
+}
+
+/// What a path names. `[]` is given to `open`, or refused when that is `None`.
+///
+/// Member names go first; a path that starts with none may start with the block's instance name
+/// (as the shader spells its members) or its own name (as OpenGL's queries do).
+pub(crate) fn resolve<'b>(
+    block: &'b BlockLayout,
+    tail: usize,
+    path: &str,
+    open: Option<&mut dyn FnMut(Dim)>,
+) -> Result<Place<'b>, BufferError> {
+    let mut reader = Reader { block, path, at: 0, tail };
+    if path.is_empty() {
+        return Ok(Place::BLOCK);
+    }
+    let first = reader.peek_name();
+    if !block.members.iter().any(|m| &*m.name == first) {
+        let names = [block.instance.as_deref(), Some(&*block.name)];
+        if names.into_iter().flatten().any(|name| name == first && !name.is_empty()) {
+            match path.as_bytes().get(first.len()) {
+                None => return Ok(Place::BLOCK),
+                Some(b'.') => reader.at = first.len() + 1,
+                Some(_) => {}
+            }
+        }
+    }
+    reader.member(&reader.block.members, Place::BLOCK, open)
+}
+
+/// What a path names from one element of a structure on; the block for `What::Block`.
+pub(crate) fn resolve_in<'b>(
+    block: &'b BlockLayout,
+    tail: usize,
+    path: &str,
+    from: Place<'b>,
+) -> Result<Place<'b>, BufferError> {
+    let mut reader = Reader { block, path, at: 0, tail };
+    match from.what {
+        What::Struct(member) => reader.member(&member.members, from, None),
+        What::Block | What::Array(..) | What::Leaf(_) => resolve(block, tail, path, None),
+    }
+}
+
+impl<'b> Reader<'_, 'b> {
+    /// Reads a member of a structure, and on.
+    fn member(
+        &mut self,
+        mut members: &'b [MemberLayout],
+        mut place: Place<'b>,
+        mut open: Option<&mut dyn FnMut(Dim)>,
+    ) -> Result<Place<'b>, BufferError> {
+        loop {
+            let start = self.at;
+            let name = self.peek_name();
+            if name.is_empty() {
+                return Err(self.malformed("a name"));
+            }
+            let Some(member) = members.iter().find(|m| &*m.name == name) else {
+                return Err(self.unknown(start, name, members));
+            };
+            self.at += name.len();
+            place = place.member(member);
+            while let Some(step) = self.step()? {
+                match (place.what, step) {
+                    (What::Array(member, dim), Step::Index(index)) => {
+                        let shape = self.dim(member, dim);
+                        match (index, &mut open) {
+                            (Some(index), _) => {
+                                self.check(index, shape.len.unwrap_or(self.tail), shape)?;
+                            }
+                            (None, Some(open)) => open(shape),
+                            (None, None) => return Err(self.missing_index(shape)),
+                        }
+                        place = place.element(member, dim, index.unwrap_or(0));
+                    }
+                    (What::Leaf(grid), step) => {
+                        let inner = self.inside(grid, step)?;
+                        place.offset += inner.0 as u64;
+                        place.what = What::Leaf(inner.1);
+                    }
+                    (What::Struct(_), Step::Dot) => break,
+                    (What::Array(member, dim), Step::Dot) => {
+                        return Err(self.missing_index(self.dim(member, dim)));
+                    }
+                    (What::Struct(_) | What::Block, _) => {
+                        let ty = self.spelled(place.what);
+                        return Err(BufferError::NotAnArray { path: self.before(), ty });
+                    }
+                }
+            }
+            match place.what {
+                What::Struct(member) if self.path[..self.at].ends_with('.') => {
+                    members = &member.members;
+                }
+                _ => return Ok(place),
+            }
+        }
+    }
+
+    /// The name that starts here, up to `.` or `[`; may be empty.
+    fn peek_name(&self) -> &str {
+        let rest = &self.path[self.at..];
+        &rest[..rest.find(['.', '[']).unwrap_or(rest.len())]
+    }
+
+    /// The next `[index]`, `[]` or `.`; `None` at the end.
+    fn step(&mut self) -> Result<Option<Step>, BufferError> {
+        let rest = &self.path[self.at..];
+        match rest.as_bytes().first() {
+            None => Ok(None),
+            Some(b'.') => {
+                self.at += 1;
+                Ok(Some(Step::Dot))
+            }
+            Some(b'[') => {
+                self.at += 1;
+                let digits = rest[1..].bytes().take_while(u8::is_ascii_digit).count();
+                let number = &rest[1..1 + digits];
+                self.at += digits;
+                if !self.path[self.at..].starts_with(']') {
+                    return Err(self.malformed(if digits == 0 { "a number" } else { "`]`" }));
+                }
+                self.at += 1;
+                let index = number.parse().ok().or((digits > 0).then_some(u64::MAX));
+                Ok(Some(Step::Index(index)))
+            }
+            Some(_) => Err(self.malformed("`.` or `[`")),
+        }
+    }
+
+    /// A column or component of a leaf, as an offset in it and what is there.
+    fn inside(&mut self, grid: Grid, step: Step) -> Result<(usize, Grid), BufferError> {
+        let (columns, rows) = (u64::from(grid.columns), u64::from(grid.rows));
+        let shape = |len: u64| Dim { len: Some(len as usize), stride: 0 };
+        match step {
+            Step::Index(None) => {
+                let len = if columns > 1 { columns } else { rows };
+                Err(self.missing_index(shape(len)))
+            }
+            Step::Index(Some(index)) if columns > 1 => {
+                self.check(index, columns as usize, shape(columns))?;
+                Ok((grid.component(index as usize, 0), grid.column()))
+            }
+            Step::Index(Some(index)) if rows > 1 => {
+                self.check(index, rows as usize, shape(rows))?;
+                Ok((grid.component(0, index as usize), grid.cell()))
+            }
+            Step::Dot if columns == 1 && rows > 1 => {
+                let name = self.peek_name();
+                let row = ["xyzw", "rgba", "stpq"]
+                    .iter()
+                    .find_map(|set| set.find(name).filter(|_| name.len() == 1));
+                match row {
+                    Some(row) if row < usize::from(grid.rows) => {
+                        self.at += 1;
+                        Ok((grid.component(0, row), grid.cell()))
+                    }
+                    _ => Err(BufferError::UnknownPath {
+                        path: self.path.to_string(),
+                        name: name.to_string(),
+                        inside: self.path[..self.at - 1].to_string(),
+                        nearest: None,
+                    }),
+                }
+            }
+            Step::Index(Some(_)) | Step::Dot => {
+                let ty = self.spelled(What::Leaf(grid));
+                Err(BufferError::NotAnArray { path: self.before(), ty })
+            }
+        }
+    }
+
+    fn dim(&self, member: &MemberLayout, dim: usize) -> Dim {
+        Dim {
+            len: match member.dims[dim] {
+                ArrayLen::Fixed(len) => Some(len as usize),
+                ArrayLen::Runtime | ArrayLen::Override(_) => None,
+            },
+            stride: member.strides[dim] as usize,
+        }
+    }
+
+    fn check(&self, index: u64, len: usize, dim: Dim) -> Result<(), BufferError> {
+        let len = len as u64;
+        if index < len {
+            return Ok(());
+        }
+        Err(out_of_range(self.path, index, len, dim))
+    }
+
+    fn malformed(&self, expected: &'static str) -> BufferError {
+        BufferError::Malformed { path: self.path.to_string(), at: self.at, expected }
+    }
+
+    fn unknown(&self, start: usize, name: &str, members: &[MemberLayout]) -> BufferError {
+        let inside = self.path[..start].trim_end_matches('.').to_string();
+        let nearest = nearest(name, members.iter().map(|m| &*m.name)).map(|near| {
+            format!("{}{near}{}", &self.path[..start], &self.path[start + name.len()..])
+        });
+        let (path, name) = (self.path.to_string(), name.to_string());
+        BufferError::UnknownPath { path, name, inside, nearest }
+    }
+
+    fn missing_index(&self, dim: Dim) -> BufferError {
+        let len = dim.len.unwrap_or(self.tail) as u64;
+        BufferError::MissingIndex { path: self.path.to_string(), len }
+    }
+
+    /// The path before the last step.
+    fn before(&self) -> String {
+        let read = &self.path[..self.at];
+        let end = read.rfind(['.', '[']).unwrap_or(read.len());
+        read[..end].to_string()
+    }
+
+    fn spelled(&self, what: What<'_>) -> String {
+        spelled(self.block, what)
+    }
+}
+
+/// One step of a path after a name.
+#[derive(Clone, Copy)]
+enum Step {
+    Index(Option<u64>),
+    Dot,
+}
+
+/// A member below its first `dim` dimensions.
+pub(crate) fn element(member: &MemberLayout, dim: usize) -> What<'_> {
+    if dim < member.dims.len() {
+        return What::Array(member, dim);
+    }
+    match Grid::of_member(member) {
+        Some(grid) => What::Leaf(grid),
+        None => What::Struct(member),
+    }
+}
+
+/// An index past the end of a dimension.
+pub(crate) fn out_of_range(path: &str, index: u64, len: u64, dim: Dim) -> BufferError {
+    let path = path.to_string();
+    match dim.len {
+        Some(_) => BufferError::OutOfRange { path, index, len },
+        None => BufferError::TailTooShort { path, index, len },
+    }
+}
+
+/// The path where a scalar, vector or matrix is wanted but something larger was named.
+pub(crate) fn not_a_leaf(block: &BlockLayout, path: &str, what: What<'_>) -> BufferError {
+    let names = |members: &[MemberLayout]| {
+        let mut names: Vec<String> = members.iter().map(|m| format!("`.{}`", m.name)).collect();
+        if names.len() > 8 {
+            names.truncate(7);
+            names.push("…".to_string());
+        }
+        names.join(", ")
+    };
+    let next = match what {
+        What::Block => names(&block.members).replace("`.", "`"),
+        What::Struct(member) => names(&member.members),
+        What::Array(..) | What::Leaf(_) => "an index".to_string(),
+    };
+    BufferError::NotALeaf { path: path.to_string(), ty: spelled(block, what), next }
+}
+
+/// The type at a place, in the shader's spelling.
+pub(crate) fn spelled(block: &BlockLayout, what: What<'_>) -> String {
+    let language = language(block);
+    match what {
+        What::Block => block.name.to_string(),
+        What::Leaf(grid) => grid.spelled(language),
+        What::Struct(member) => member.ty.innermost().spelled(language).to_string(),
+        What::Array(member, dim) => {
+            let mut ty = &member.ty;
+            for _ in 0..dim {
+                if let Type::Array { element, .. } = ty {
+                    ty = element;
+                }
+            }
+            ty.spelled(language).to_string()
+        }
+    }
+}
+
+/// Bytes of what stands at a place, padding at its end included; `None` when runtime-sized.
+pub(crate) fn size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
+    match what {
+        What::Block => block.size,
+        What::Leaf(grid) => Some(grid.span() as u64),
+        What::Array(member, dim) => match member.dims[dim] {
+            ArrayLen::Fixed(len) => Some(member.strides[dim] * u64::from(len)),
+            ArrayLen::Runtime | ArrayLen::Override(_) => None,
+        },
+        What::Struct(member) => match member.strides.last() {
+            Some(&stride) => Some(stride),
+            None => member.size,
+        },
+    }
+}
+
+/// Bytes of what stands at a place up to where its last member ends.
+pub(crate) fn data_size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
+    match what {
+        What::Block => block.data_size,
+        What::Struct(member) => {
+            let end = |m: &MemberLayout| Some(m.offset? + m.size?);
+            member.members.iter().map(end).try_fold(0, |most, end| Some(most.max(end?)))
+        }
+        What::Array(member, dim) => match block.rules {
+            Rules::Std140 | Rules::Std430 | Rules::Wgsl => size(block, what),
+            // GL_EXT_scalar_block_layout: the padding after the last element is not the array's.
+            Rules::Scalar => {
+                if dim == 0 {
+                    member.size
+                } else {
+                    size(block, what)
+                }
+            }
+        },
+        What::Leaf(_) => size(block, what),
+    }
+}

@@ -1,0 +1,61 @@
+//! What a member of a block is called in its mirror.
+//!
+//! Uses the naming of [`super::plan`]; read by [`emit::diff`](crate::format::diff).
+
+use super::names::{Scope, camel, snake};
+use crate::layout::{BlockLayout, MemberLayout};
+use crate::shape::Type;
+
+/// The field that mirrors a member, `PointLight::color` for `data[].color`; the mirror itself for
+/// an empty path. `None` for what has no mirror.
+///
+/// Where two mirrors of one file ask for one name, [`rust`](super::rust()) tells them apart by
+/// more than this says.
+pub fn field(block: &BlockLayout, path: &str) -> Option<String> {
+    block.size?;
+    let mut owner = camel(&block.name);
+    if path.is_empty() {
+        return Some(owner);
+    }
+    let mut members = block.members.as_slice();
+    let mut parts = path.split('.').peekable();
+    while let Some(part) = parts.next() {
+        let name = part.split('[').next().unwrap_or(part);
+        let at = members.iter().position(|member| *member.name == *name)?;
+        if parts.peek().is_none() {
+            return Some(format!("{owner}::{}", field_names(members).swap_remove(at)));
+        }
+        let member = &members[at];
+        let Type::Struct(s) = member.ty.innermost() else { return None };
+        owner = camel(if s.name.is_empty() { &member.name } else { &s.name });
+        members = &member.members;
+    }
+    None
+}
+
+fn field_names(members: &[MemberLayout]) -> Vec<String> {
+    let mut names = Scope::default();
+    members.iter().map(|member| names.take(&snake(&member.name))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codegen::rust::{RustOptions, rust};
+    use crate::examples::{point_lights, shader};
+    use crate::source::Language;
+
+    #[test]
+    fn a_field_is_named_as_the_mirror_names_it() {
+        let block = point_lights();
+        assert_eq!(field(&block, "data[].color").as_deref(), Some("PointLight::color"));
+        assert_eq!(field(&block, "data[]").as_deref(), Some("PointLightBlock::data"));
+        assert_eq!(field(&block, "").as_deref(), Some("PointLightBlock"));
+        assert_eq!(field(&block, "data[].gone"), None);
+        let shader = shader("a.frag", Language::Glsl, vec![block]);
+        let text = rust(&[&shader], &RustOptions::default()).text;
+        for written in ["pub struct PointLight {", "pub struct PointLightBlock {", "pub color:"] {
+            assert!(text.contains(written), "{written}\n{text}");
+        }
+    }
+}

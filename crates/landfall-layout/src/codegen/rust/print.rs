@@ -1,0 +1,218 @@
+//! What the printers share: how types are spelled, and where rustfmt breaks lines.
+
+use std::fmt::Write as _;
+
+use super::naming::Names;
+use super::plan::Plan;
+use super::types::{Component, Made, MadeId, RustType, component};
+use super::{RustOptions, Visibility};
+
+/// rustfmt's `max_width`.
+pub(super) const WIDTH: usize = 100;
+/// rustfmt's width for the body of a structure literal on one line.
+const LITERAL: usize = 18;
+
+/// rustfmt's width for the arguments of a call, and the elements of an array, on one line.
+const CALL: usize = 60;
+
+/// The derives of every type that is written.
+pub(super) const DERIVES: &str =
+    "#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]";
+
+/// All that a printer reads.
+#[derive(Clone, Copy)]
+pub(super) struct Printer<'a> {
+    pub(super) plan: &'a Plan<'a>,
+    pub(super) names: &'a Names,
+    pub(super) options: &'a RustOptions,
+}
+
+impl Printer<'_> {
+    /// `pub` or `pub(crate)`.
+    pub(super) fn visibility(&self) -> &'static str {
+        match self.options.visibility {
+            Visibility::Public => "pub",
+            Visibility::Crate => "pub(crate)",
+        }
+    }
+
+    /// A type as it is written.
+    pub(super) fn ty(&self, ty: &RustType) -> String {
+        match ty {
+            RustType::Named(name) => name.to_string(),
+            RustType::Array(element, len) => format!("[{}; {len}]", self.ty(element)),
+            RustType::Made(id) => self.name(*id).to_string(),
+        }
+    }
+
+    pub(super) fn name(&self, id: MadeId) -> &str {
+        &self.names.made[id.0]
+    }
+
+    /// The Rust type of a component.
+    pub(super) fn component(&self, scalar: crate::shape::Scalar) -> &str {
+        match component(scalar) {
+            Component::Plain(name) => name,
+            Component::Bits(bits) => {
+                let id = self.plan.id(&Made::Bits(bits));
+                self.name(id.expect("a component is planned with the type made of it"))
+            }
+        }
+    }
+}
+
+/// Lines of documentation.
+pub(super) fn doc(text: &mut String, indent: &str, lines: &[impl AsRef<str>]) {
+    for line in lines {
+        let line = line.as_ref();
+        let space = if line.is_empty() { "" } else { " " };
+        let _ = writeln!(text, "{indent}///{space}{line}");
+    }
+}
+
+/// `head(parameters) tail`, with one parameter a line where that is too long.
+pub(super) fn signature(
+    text: &mut String,
+    indent: &str,
+    head: &str,
+    parameters: &[String],
+    tail: &str,
+) {
+    let line = format!("{indent}{head}({}){tail}", parameters.join(", "));
+    if line.chars().count() <= WIDTH {
+        let _ = writeln!(text, "{line}");
+        return;
+    }
+    let _ = writeln!(text, "{indent}{head}(");
+    for parameter in parameters {
+        let _ = writeln!(text, "{indent}    {parameter},");
+    }
+    let _ = writeln!(text, "{indent}){tail}");
+}
+
+/// `function(arguments).method()` as an argument of a macro, which gets no comma at its end.
+pub(super) fn call(
+    text: &mut String,
+    indent: &str,
+    function: &str,
+    arguments: &[String],
+    method: &str,
+) {
+    let inside = arguments.join(", ");
+    let line = format!("{indent}{function}({inside}){method}");
+    if inside.chars().count() <= CALL && line.chars().count() <= WIDTH {
+        let _ = writeln!(text, "{line}");
+        return;
+    }
+    let _ = writeln!(text, "{indent}{function}(");
+    for (at, argument) in arguments.iter().enumerate() {
+        let comma = if at + 1 < arguments.len() { "," } else { "" };
+        let _ = writeln!(text, "{indent}    {argument}{comma}");
+    }
+    let _ = writeln!(text, "{indent})\n{indent}{method}");
+}
+
+/// `impl TRAIT for TYPE {`, in two lines where that is too long.
+pub(super) fn implement(text: &mut String, of: &str, ty: &str) {
+    let line = format!("impl {of} for {ty} {{");
+    if line.chars().count() <= WIDTH {
+        let _ = writeln!(text, "{line}");
+    } else {
+        let _ = writeln!(text, "impl {of}\n    for {ty}\n{{");
+    }
+}
+
+/// A field of a structure literal: `NAME`, or `NAME: VALUE.METHOD`.
+pub(super) struct FieldValue {
+    pub(super) name: String,
+    pub(super) value: String,
+    /// With its dot; empty if there is none.
+    pub(super) method: String,
+}
+
+/// `Self { fields }`.
+pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
+    let lines: Vec<String> = fields
+        .iter()
+        .map(|FieldValue { name, value, method }| match name == value && method.is_empty() {
+            true => name.clone(),
+            false => format!("{name}: {value}{method}"),
+        })
+        .collect();
+    let body = lines.join(", ");
+    if body.chars().count() <= LITERAL {
+        let _ = writeln!(text, "{indent}Self {{ {body} }}");
+        return;
+    }
+    let _ = writeln!(text, "{indent}Self {{");
+    let fits = |line: &str| line.chars().count() < WIDTH;
+    for (line, FieldValue { name, value, method }) in lines.iter().zip(fields) {
+        // The places where rustfmt breaks, in the order in which it tries them.
+        let choices = [
+            format!("{indent}    {line}"),
+            format!("{indent}    {name}: {value}\n{indent}        {method}"),
+            format!("{indent}    {name}:\n{indent}        {value}{method}"),
+            format!("{indent}    {name}:\n{indent}        {value}\n{indent}            {method}"),
+        ];
+        let fitting = choices.iter().find(|choice| choice.split('\n').all(fits));
+        let _ = writeln!(text, "{},", fitting.unwrap_or(&choices[3]));
+    }
+    let _ = writeln!(text, "{indent}}}");
+}
+
+/// `head separator tail end`, the tail on a line of its own where that is too long.
+pub(super) fn assignment(text: &mut String, indent: &str, head: &str, separator: &str, tail: &str) {
+    let line = format!("{indent}{head}{separator} {tail}");
+    if line.chars().count() <= WIDTH {
+        let _ = writeln!(text, "{line}");
+    } else {
+        let _ = writeln!(text, "{indent}{head}{separator}\n{indent}    {tail}");
+    }
+}
+
+/// How the elements of a slice that is too long for a line are broken into lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Items {
+    OneALine,
+    /// As rustfmt does for numbers.
+    Filled,
+}
+
+/// `&[items]`.
+pub(super) fn slice(items: &[String], indent: &str, how: Items) -> String {
+    let line = items.join(", ");
+    if line.len() <= CALL {
+        return format!("&[{line}]");
+    }
+    let mut text = "&[".to_string();
+    let mut column = WIDTH;
+    for item in items {
+        let fits = column + 1 + item.len() < WIDTH;
+        if how == Items::Filled && fits {
+            let _ = write!(text, " {item},");
+            column += item.len() + 2;
+        } else {
+            let _ = write!(text, "\n{indent}    {item},");
+            column = indent.len() + 4 + item.len() + 1;
+        }
+    }
+    let _ = write!(text, "\n{indent}]");
+    text
+}
+
+/// Zeros for a [`Default`].
+pub(super) fn default(text: &mut String, name: &str) {
+    implement(text, "Default", name);
+    text.push_str(
+        "    /// All bytes zero.\n    fn default() -> Self {\n        \
+         bytemuck::Zeroable::zeroed()\n    }\n}\n\n",
+    );
+}
+
+/// Names of a function's parameters that count elements: `i`, `j`, `k`, or `i0` and so on.
+pub(super) fn indices(count: usize) -> Vec<String> {
+    match count {
+        0..=3 => ["i", "j", "k"][..count].iter().map(|name| name.to_string()).collect(),
+        _ => (0..count).map(|at| format!("i{at}")).collect(),
+    }
+}

@@ -1,0 +1,35 @@
+//! Rows of tables: words to the left, numbers to the right.
+//!
+//! Used by the tables of [`devices`](super::devices) and [`lights`](super::lights).
+
+use unicode_width::UnicodeWidthStr as _;
+
+/// What stands between two columns.
+pub const GAP: &str = "  ";
+
+/// One row; from the column `numbers` on cells stand to the right. `paint` is given the column.
+pub fn row(
+    cells: &[String],
+    widths: &[usize],
+    numbers: usize,
+    paint: impl Fn(usize, &str) -> String,
+) -> String {
+    let mut text = String::new();
+    for (at, (cell, width)) in cells.iter().zip(widths).enumerate() {
+        let space = " ".repeat(width.saturating_sub(cell.width()));
+        if at > 0 {
+            text.push_str(GAP);
+        }
+        if at >= numbers {
+            text.push_str(&space);
+        }
+        text.push_str(&paint(at, cell));
+        if at < numbers {
+            text.push_str(&space);
+        }
+    }
+    let end = text.trim_end().len();
+    text.truncate(end);
+    text.push('\n');
+    text
+}

@@ -1,0 +1,243 @@
+//! Findings for people, with an excerpt of the text, and as JSON, one object a line.
+
+mod excerpt;
+pub mod render;
+
+use super::paint::Paint;
+use super::place::Places;
+use crate::diagnostic::{Diagnostic, Label};
+use crate::source::{Files, Location, Span};
+use render::{Drawing, Pen};
+
+/// Findings of one shader that are shown to people; the rest are counted.
+pub const MOST_SHOWN: usize = 100;
+
+/// The findings of one shader as people read them; at most [`MOST_SHOWN`] errors, then how many
+/// more there are.
+pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String {
+    let mut pen = Pen::new(files, paint);
+    let mut text = String::new();
+    for diagnostic in diagnostics.iter().take(MOST_SHOWN) {
+        text.push_str(&pen.draw(drawing(diagnostic)));
+    }
+    if diagnostics.len() > MOST_SHOWN {
+        let more = diagnostics.len() - MOST_SHOWN;
+        let path = files.get(0).map_or("the shader", |file| file.path.as_str());
+        text.push_str(&format!("… and {more} more in {path}\n\n"));
+    }
+    text
+}
+
+fn drawing(diagnostic: &Diagnostic) -> Drawing<'_> {
+    // An unreadable file's own message already begins with its path.
+    let path = diagnostic
+        .path
+        .as_ref()
+        .filter(|path| diagnostic.labels.is_empty() && !diagnostic.message.contains(path.as_str()));
+    Drawing {
+        severity: diagnostic.severity,
+        code: diagnostic.code,
+        message: &diagnostic.message,
+        origin: path.map(|path| Location { path: path.clone(), line: 0, column: 0 }),
+        labels: &diagnostic.labels,
+        notes: diagnostic.notes.clone(),
+        listing: None,
+        help: diagnostic.help.as_deref(),
+    }
+}
+
+/// The findings of one shader as JSON, one object a line, all of them.
+pub fn json(diagnostics: &[Diagnostic], files: &Files) -> String {
+    let mut places = Places::new(files);
+    let mut text = String::new();
+    for diagnostic in diagnostics {
+        let object = Object::of(diagnostic, files, &mut places);
+        text.push_str(&serde_json::to_string(&object).expect("keys are strings"));
+        text.push('\n');
+    }
+    text
+}
+
+#[derive(serde::Serialize)]
+struct Object<'a> {
+    severity: &'static str,
+    code: &'a str,
+    message: &'a str,
+    path: Option<String>,
+    line: Option<u32>,
+    column: Option<u32>,
+    end_line: Option<u32>,
+    end_column: Option<u32>,
+    labels: Vec<LabelObject<'a>>,
+    notes: &'a [String],
+    help: Option<&'a str>,
+}
+
+#[derive(serde::Serialize)]
+struct LabelObject<'a> {
+    path: String,
+    line: u32,
+    column: u32,
+    end_line: u32,
+    end_column: u32,
+    text: &'a str,
+}
+
+impl<'a> Object<'a> {
+    fn of(diagnostic: &'a Diagnostic, files: &Files, places: &mut Places<'_>) -> Object<'a> {
+        let labels: Vec<LabelObject<'a>> = diagnostic
+            .labels
+            .iter()
+            .filter(|label| files.get(label.span.file).is_some())
+            .map(|label| label_object(label, places))
+            .collect();
+        let main = labels.first();
+        let shader = files.get(0).map(|file| file.path.clone());
+        Object {
+            severity: diagnostic.severity.name(),
+            code: diagnostic.code,
+            message: &diagnostic.message,
+            path: main.map(|l| l.path.clone()).or_else(|| diagnostic.path.clone()).or(shader),
+            line: main.map(|l| l.line),
+            column: main.map(|l| l.column),
+            end_line: main.map(|l| l.end_line),
+            end_column: main.map(|l| l.end_column),
+            labels,
+            notes: &diagnostic.notes,
+            help: diagnostic.help.as_deref(),
+        }
+    }
+}
+
+fn label_object<'a>(label: &'a Label, places: &mut Places<'_>) -> LabelObject<'a> {
+    let start = places.locate(label.span);
+    let end = places.locate(Span { start: label.span.end, ..label.span });
+    LabelObject {
+        path: start.path,
+        line: start.line,
+        column: start.column,
+        end_line: end.line,
+        end_column: end.column,
+        text: &label.text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn files(texts: &[(&str, &str)]) -> Files {
+        let mut files = Files::default();
+        for (path, text) in texts {
+            files.add(*path, (*text).into());
+        }
+        files
+    }
+
+    fn at(files: &Files, file: u32, what: &str) -> Span {
+        let text = &files.get(file).unwrap().text;
+        let start = text.find(what).unwrap() as u32;
+        Span { file, start, end: start + what.len() as u32 }
+    }
+
+    fn shown(diagnostic: &Diagnostic, files: &Files) -> String {
+        human(std::slice::from_ref(diagnostic), files, Paint::Plain)
+    }
+
+    #[test]
+    fn a_finding_shows_the_place_the_note_and_the_help() {
+        let files = files(&[("a.frag", "#version 330\r\nuniform B {\r\n\tvec33 x;\r\n};\r\n")]);
+        let found =
+            Diagnostic::error("unknown-type", at(&files, 0, "vec33"), "unknown type `vec33`")
+                .with_text("not declared")
+                .with_note("types must be declared before use")
+                .with_help("write `vec3`");
+        assert_eq!(
+            shown(&found, &files),
+            "\
+error[unknown-type]: unknown type `vec33`
+ --> a.frag:3:2
+  |
+3 |     vec33 x;
+  |     ^^^^^ not declared
+  |
+  = note: types must be declared before use
+  = help: write `vec3`
+
+"
+        );
+    }
+
+    #[test]
+    fn labels_in_other_files_and_lines_far_away_are_shown() {
+        let far = format!("struct A {{ float x; }};\n{}struct A {{ int y; }};\n", "\n".repeat(500));
+        let files = files(&[("a.frag", &far), ("b.glsl", "struct A { vec4 z; };\n")]);
+        let mut found = Diagnostic::error("duplicate", at(&files, 0, "A { int"), "`A` twice")
+            .with_label(at(&files, 0, "A { float"), "first here")
+            .with_label(at(&files, 1, "A"), "and here");
+        found.labels[0].span.end = found.labels[0].span.start + 1;
+        found.labels[1].span.end = found.labels[1].span.start + 1;
+        let text = shown(&found, &files);
+        assert!(text.contains(" --> a.frag:502:8\n"), "{text}");
+        assert!(text.contains("- first here"), "{text}");
+        assert!(text.contains("::: b.glsl:1:8\n"), "{text}");
+        assert!(text.lines().count() < 20, "{text}");
+    }
+
+    #[test]
+    fn a_line_of_two_megabytes_is_shown_around_its_place() {
+        let mut line = "float 漢字; ".repeat(100_000);
+        line.push_str("vec33 bad; ");
+        line.push_str(&"float y; ".repeat(100_000));
+        let files = files(&[("a.frag", &line)]);
+        let found = Diagnostic::error("unknown-type", at(&files, 0, "vec33"), "unknown type");
+        let text = shown(&found, &files);
+        assert!(text.contains("vec33 bad;"), "{text}");
+        assert!(text.contains(" --> a.frag:1:1000001\n"), "{text}");
+        assert!(text.len() < 1500, "{} bytes", text.len());
+    }
+
+    #[test]
+    fn places_at_the_end_of_the_text_and_empty_texts_are_shown() {
+        for text in ["", "a", "a\n", "a\r\n", "\t\t", "漢"] {
+            let files = files(&[("a.frag", text)]);
+            let end = text.len() as u32;
+            for (start, end) in [(end, end), (0, end), (end, end + 5)] {
+                let found = Diagnostic::error("syntax", Span { file: 0, start, end }, "unfinished");
+                assert!(
+                    shown(&found, &files).starts_with("error[syntax]: unfinished\n --> a.frag:")
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn spans_over_lines_are_marked_on_their_first() {
+        let files = files(&[("a.frag", "uniform B {\n  float a;\n} b;\n")]);
+        let span = Span { file: 0, start: 8, end: 28 };
+        let text = shown(&Diagnostic::warning("block", span, "this block"), &files);
+        assert!(text.starts_with("warning[block]: this block\n --> a.frag:1:9\n"), "{text}");
+        assert!(text.contains("1 | uniform B {\n  |         ^^^"), "{text}");
+    }
+
+    #[test]
+    fn a_hundred_findings_are_shown_and_the_rest_counted() {
+        let files = files(&[("a.frag", "float x;\n")]);
+        let found: Vec<Diagnostic> =
+            (0..140).map(|_| Diagnostic::error("e", Span::default(), "again")).collect();
+        let text = human(&found, &files, Paint::Plain);
+        assert_eq!(text.matches("error[e]").count(), 100);
+        assert!(text.ends_with("… and 40 more in a.frag\n\n"));
+        assert_eq!(json(&found, &files).lines().count(), 140);
+    }
+
+    #[test]
+    fn an_unreadable_file_needs_no_excerpt() {
+        let error = crate::Error::new("a.frag", "is a directory").with_help("name a file");
+        let text = shown(&error.into(), &Files::default());
+        assert_eq!(
+            text,
+            "error[unreadable-file]: `a.frag` is a directory\n  |\n  = help: name a file\n\n"
+        );
+    }
+}

@@ -1,0 +1,246 @@
+//! What [`diff`](crate::diff::diff) found as text: for the eye, as JSON, as Markdown for a comment on a pull
+//! request.
+//!
+//! `beside` puts the old and the new block next to each other.
+
+mod beside;
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::json::{Tool, to_lines};
+use super::paint::{CAUTION, FAINT, STRONG};
+use super::{Paint, SCHEMA_VERSION, words};
+use crate::ShaderLayout;
+use crate::codegen::rust;
+use crate::diff::{BlockDiff, Change, Class};
+use crate::layout::BlockLayout;
+
+pub use beside::{Width, beside};
+
+/// JSON Schema (draft 2020-12) of the JSON output of `diff`.
+pub const DIFF_SCHEMA: &str = include_str!("../../schema/diff.json");
+
+/// Blocks with more leaves times changes than this are written without Rust's names: each name
+/// depends on those of all the members before it, and is found anew for each change.
+const MOST_NAMED: usize = 1 << 17;
+
+/// Two layouts of one shader, and what is different.
+#[derive(Clone, Copy, Debug)]
+pub struct Compared<'a> {
+    /// What the report calls the shader.
+    pub name: &'a str,
+    /// As it was.
+    pub old: &'a ShaderLayout,
+    /// As it is.
+    pub new: &'a ShaderLayout,
+    /// What changed; may be empty.
+    pub blocks: &'a [BlockDiff],
+}
+
+impl<'a> Compared<'a> {
+    fn was(&self, diff: &BlockDiff) -> Option<&'a BlockLayout> {
+        diff.old.map(|at| &self.old.blocks[at])
+    }
+
+    fn is(&self, diff: &BlockDiff) -> Option<&'a BlockLayout> {
+        diff.new.map(|at| &self.new.blocks[at])
+    }
+
+    /// The Rust field a change is about: the one of the old mirror, if there was one.
+    fn field(&self, diff: &BlockDiff, change: &Change) -> Option<String> {
+        let named = |block: Option<&BlockLayout>| {
+            let block =
+                block.filter(|block| block.leaves.len() * diff.changes.len() <= MOST_NAMED)?;
+            rust::field(block, &change.path)
+        };
+        named(self.was(diff)).or_else(|| named(self.is(diff)))
+    }
+
+    /// Both listings of a block beside each other.
+    pub fn beside(&self, diff: &BlockDiff, width: Width, paint: Paint) -> String {
+        let old = self.was(diff).map(|block| (block, self.old.language));
+        let new = self.is(diff).map(|block| (block, self.new.language));
+        beside(old, new, width, paint)
+    }
+}
+
+/// One shader's changes for the eye; empty when there are none.
+pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
+    let mut text = String::new();
+    for diff in compared.blocks {
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        let name = paint.text(STRONG, &format!("{}: {}", compared.name, diff.name));
+        let _ = writeln!(text, "{name}: {}", class(diff.class(), paint).trim_end());
+        for change in &diff.changes {
+            let _ = write!(text, "  {} {}", class(change.class, paint), change.message);
+            match compared.field(diff, change) {
+                Some(field) if !change.path.is_empty() => {
+                    text.push_str(&paint.text(FAINT, &format!("  [{field}]\n")));
+                }
+                Some(_) | None => text.push('\n'),
+            }
+        }
+        text.push('\n');
+        for line in compared.beside(diff, width.less(2), paint).lines() {
+            let line = format!("  {line}");
+            text.push_str(line.trim_end());
+            text.push('\n');
+        }
+    }
+    text
+}
+
+/// A class, all of one width.
+fn class(class: Class, paint: Paint) -> String {
+    let style = match class {
+        Class::Breaking => super::paint::REMOVED,
+        Class::Compatible => CAUTION,
+        Class::Cosmetic => FAINT,
+    };
+    let room = " ".repeat("compatible".len() - class.name().len());
+    paint.text(style, class.name()) + &room
+}
+
+/// The last line: how many blocks changed, and the verdict.
+pub fn summary(all: &[Compared<'_>]) -> String {
+    let of = |class: Class| {
+        all.iter().flat_map(|one| one.blocks).filter(|diff| diff.class() == class).count()
+    };
+    let parts: Vec<String> = [Class::Breaking, Class::Compatible, Class::Cosmetic]
+        .into_iter()
+        .filter(|class| of(*class) > 0)
+        .map(|class| format!("{} {}", of(class), class.name()))
+        .collect();
+    match all.iter().map(|one| one.blocks.len()).sum::<usize>() {
+        0 => "no layout changed\n".to_string(),
+        1 => format!("1 block changed: {}\n", parts.join(", ")),
+        n => format!("{n} blocks changed: {}\n", parts.join(", ")),
+    }
+}
+
+/// All changes as Markdown.
+pub fn markdown(all: &[Compared<'_>]) -> String {
+    let mut text = format!("### Layouts: {}", summary(all));
+    for compared in all {
+        for diff in compared.blocks {
+            let _ = writeln!(
+                text,
+                "\n#### {} `{}`: {}\n\n| class | change | Rust |\n|---|---|---|",
+                cell(compared.name),
+                cell(&diff.name),
+                diff.class().name(),
+            );
+            for change in &diff.changes {
+                let field = compared.field(diff, change);
+                let field = field.map(|field| format!("`{field}`")).unwrap_or_default();
+                let message = cell(&change.message);
+                let _ = writeln!(text, "| {} | {message} | {field} |", change.class.name());
+            }
+            let beside = compared.beside(diff, Width::Unified, Paint::Plain);
+            // A fence longer than any run of backticks in the shader's own text.
+            let _ = writeln!(
+                text,
+                "\n<details><summary>old and new listing</summary>\n\n````diff\n{beside}````\n\n</details>"
+            );
+        }
+    }
+    text
+}
+
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('\n', " ")
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema_version: u32,
+    tool: Tool,
+    class: Option<&'static str>,
+    shaders: Vec<Shader<'a>>,
+}
+
+#[derive(Serialize)]
+struct Shader<'a> {
+    name: &'a str,
+    old: &'a str,
+    new: &'a str,
+    blocks: Vec<BlockObject<'a>>,
+}
+
+#[derive(Serialize)]
+struct BlockObject<'a> {
+    name: &'a str,
+    class: &'static str,
+    old: Option<Side>,
+    new: Option<Side>,
+    changes: Vec<ChangeObject<'a>>,
+}
+
+/// A block on one side.
+#[derive(Serialize)]
+struct Side {
+    name: String,
+    size: Option<u64>,
+    line: u32,
+}
+
+#[derive(Serialize)]
+struct ChangeObject<'a> {
+    kind: &'static str,
+    class: &'static str,
+    path: &'a str,
+    old: Option<&'a str>,
+    new: Option<&'a str>,
+    message: &'a str,
+    rust: Option<String>,
+}
+
+/// All changes as JSON that keeps to [`DIFF_SCHEMA`].
+pub fn json(all: &[Compared<'_>]) -> String {
+    let worst = all.iter().flat_map(|one| one.blocks).map(BlockDiff::class).max();
+    let changed = all.iter().filter(|one| !one.blocks.is_empty());
+    let document = Document {
+        schema_version: SCHEMA_VERSION,
+        tool: Tool::LANDFALL,
+        class: worst.map(Class::name),
+        shaders: changed.map(shader_object).collect(),
+    };
+    to_lines(&document, 0) + "\n"
+}
+
+fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
+    let side = |block: &BlockLayout, shader: &ShaderLayout| Side {
+        name: words::block_name(block),
+        size: block.size,
+        line: shader.files.locate(block.span).line,
+    };
+    let block = |diff: &'a BlockDiff| BlockObject {
+        name: &diff.name,
+        class: diff.class().name(),
+        old: compared.was(diff).map(|block| side(block, compared.old)),
+        new: compared.is(diff).map(|block| side(block, compared.new)),
+        changes: diff
+            .changes
+            .iter()
+            .map(|change| ChangeObject {
+                kind: change.kind.name(),
+                class: change.class.name(),
+                path: &change.path,
+                old: change.old.as_deref(),
+                new: change.new.as_deref(),
+                message: &change.message,
+                rust: compared.field(diff, change),
+            })
+            .collect(),
+    };
+    Shader {
+        name: compared.name,
+        old: &compared.old.path,
+        new: &compared.new.path,
+        blocks: compared.blocks.iter().map(block).collect(),
+    }
+}

@@ -1,0 +1,137 @@
+//! The bytes of a block as a hex dump: 16 a line, and what each word of 4 belongs to.
+
+use std::io::{self, Write};
+
+use super::paint::{FAINT, Paint};
+use crate::layout::BlockLayout;
+use crate::layout::byte::{ByteOwner, owner_of_byte};
+
+const LINE: usize = 16;
+const WORD: usize = 4;
+
+/// What stands for a word of padding.
+const PADDING: &str = "--";
+
+/// What stands for a word in which no component starts.
+const GOES_ON: &str = "..";
+
+/// Writes the bytes of a block, and behind each line the component that each word is: by its path,
+/// or by its last step where the word before is of the same leaf; `--` is padding, `..` the rest
+/// of a component longer than a word.
+///
+/// # Errors
+/// Those of the writer.
+pub fn dump(
+    block: &BlockLayout,
+    bytes: &[u8],
+    paint: Paint,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let last = bytes.len().saturating_sub(1) / LINE * LINE;
+    let width = last.to_string().len().max("offset".len());
+    let titles = format!("  {:>width$}  {:50}  words", "offset", "bytes");
+    writeln!(out, "{}", paint.text(FAINT, &titles))?;
+    for (line, part) in bytes.chunks(LINE).enumerate() {
+        let start = line * LINE;
+        let mut hex = String::new();
+        for word in part.chunks(WORD) {
+            for byte in word {
+                hex.push_str(&format!("{byte:02x} "));
+            }
+            hex.push(' ');
+        }
+        let words = names(block, start as u64, part.len() as u64, paint).join("  ");
+        writeln!(out, "  {start:>width$}  {:50}  {words}", hex.trim_end())?;
+    }
+    Ok(())
+}
+
+/// What each word of a line is.
+fn names(block: &BlockLayout, start: u64, len: u64, paint: Paint) -> Vec<String> {
+    let mut before = String::new();
+    let words = (start..start + len).step_by(WORD);
+    words.map(|word| name(block, word..(start + len).min(word + 4), &mut before, paint)).collect()
+}
+
+/// What a word is; `before` is the leaf named last.
+fn name(
+    block: &BlockLayout,
+    mut word: std::ops::Range<u64>,
+    before: &mut String,
+    paint: Paint,
+) -> String {
+    let mut parts = Vec::new();
+    let mut goes_on = false;
+    while word.start < word.end {
+        match owner_of_byte(block, word.start) {
+            ByteOwner::Component { leaf, path, offset, size, byte, .. } => {
+                word.start = offset + size;
+                if byte > 0 {
+                    goes_on = true;
+                } else if leaf == *before && path.len() > leaf.len() {
+                    parts.push(path[leaf.len()..].to_string());
+                } else {
+                    parts.push(path);
+                    *before = leaf;
+                }
+            }
+            ByteOwner::Padding { offset, size, .. } => word.start = offset + size,
+            ByteOwner::Beyond { .. } | ByteOwner::Loose => word.start += 1,
+        }
+    }
+    match parts.as_slice() {
+        [] if goes_on => paint.text(FAINT, GOES_ON),
+        [] => {
+            before.clear();
+            paint.text(FAINT, PADDING)
+        }
+        parts => parts.join(","),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples;
+    use crate::shape::Rules;
+
+    fn lines(block: &BlockLayout, len: usize) -> Vec<String> {
+        let bytes: Vec<u8> = (0..len).map(|byte| byte as u8).collect();
+        let mut out = Vec::new();
+        dump(block, &bytes, Paint::Plain, &mut out).expect("memory takes every byte");
+        String::from_utf8(out).expect("text").lines().map(str::to_string).collect()
+    }
+
+    #[test]
+    fn each_word_is_named() {
+        let lines = lines(&examples::point_lights(), 6160);
+        assert_eq!(lines.len(), 1 + 6160 / 16);
+        for (line, wanted) in [
+            (0, "  offset  bytes                                               words"),
+            (
+                1,
+                "       0  00 01 02 03  04 05 06 07  08 09 0a 0b  0c 0d 0e 0f  \
+                 data[0].pos.x  .y  .z  --",
+            ),
+            (
+                3,
+                "      32  20 21 22 23  24 25 26 27  28 29 2a 2b  2c 2d 2e 2f  \
+                 data[0].constant  data[0].linear  data[0].quadratic  --",
+            ),
+            (
+                385,
+                "    6144  00 01 02 03  04 05 06 07  08 09 0a 0b  0c 0d 0e 0f  \
+                 actually_used_count  --  --  --",
+            ),
+        ] {
+            assert_eq!(lines[line], wanted);
+        }
+    }
+
+    #[test]
+    fn components_of_two_words_go_on() {
+        let lines = lines(&examples::doubles(Rules::Std430), 20);
+        assert!(lines[1].contains("  .."), "{}", lines[1]);
+        assert_eq!(lines.len(), 3);
+    }
+}

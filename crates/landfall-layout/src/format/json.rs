@@ -1,0 +1,255 @@
+//! JSON as [`LAYOUT_SCHEMA`](super::LAYOUT_SCHEMA) describes it: snake_case,
+//! bytes, the order of the text, each object of an array on a line of its own.
+
+mod lines;
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use super::place::Places;
+use super::{EmitOptions, SCHEMA_VERSION, expand, words};
+use crate::ShaderLayout;
+use crate::layout::{BlockLayout, Leaf, MemberLayout};
+use crate::shape::{AddressSpace, ArrayLen, Override, Type};
+use crate::source::{Language, Span};
+
+pub use lines::{to_lines, write_lines};
+
+/// The tool's name and version, as every JSON document has it.
+#[derive(serde::Serialize)]
+pub struct Tool {
+    name: &'static str,
+    version: &'static str,
+}
+
+impl Tool {
+    /// This program and its version.
+    pub const LANDFALL: Tool =
+        Tool { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") };
+}
+
+/// Everything before the first shader.
+pub(super) fn opening() -> String {
+    let tool = to_lines(&Tool::LANDFALL, 0);
+    format!("{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"shaders\":[\n")
+}
+
+/// One shader, without a newline at the end.
+pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
+    let mut places = Places::new(&shader.files);
+    let blocks = shader.blocks.iter().map(|block| {
+        let mut context =
+            Context { language: shader.language, path: &shader.path, places: &mut places };
+        block_object(block, &mut context, options)
+    });
+    let object = Shader {
+        path: &shader.path,
+        language: shader.language.name(),
+        stage: shader.stage.map(|stage| stage.name()),
+        includes: shader.files.iter().skip(1).map(|file| file.path.as_str()).collect(),
+        overrides: shader.overrides.iter().map(OverrideObject::of).collect(),
+        blocks: blocks.collect(),
+    };
+    format!("  {}", to_lines(&object, 0))
+}
+
+#[derive(serde::Serialize)]
+struct Shader<'a> {
+    path: &'a str,
+    language: &'static str,
+    stage: Option<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    includes: Vec<&'a str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    overrides: Vec<OverrideObject<'a>>,
+    blocks: Vec<Block<'a>>,
+}
+
+#[derive(serde::Serialize)]
+struct OverrideObject<'a> {
+    name: &'a str,
+    id: Option<u32>,
+    value: Option<i64>,
+}
+
+impl OverrideObject<'_> {
+    fn of(it: &Override) -> OverrideObject<'_> {
+        OverrideObject { name: &it.name, id: it.id, value: it.value }
+    }
+}
+
+#[derive(serde::Serialize)]
+struct Block<'a> {
+    name: &'a str,
+    instance: Option<&'a str>,
+    address_space: &'static str,
+    rules: Option<&'static str>,
+    rules_declared: bool,
+    group: Option<u32>,
+    binding: Option<u32>,
+    count: Option<u64>,
+    size: Option<u64>,
+    data_size: Option<u64>,
+    align: Option<u64>,
+    span: Place,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    opaque: Vec<String>,
+    members: Vec<Member<'a>>,
+    leaves: Vec<LeafObject<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    offsets: Option<Offsets<'a>>,
+}
+
+#[derive(serde::Serialize)]
+struct Member<'a> {
+    name: &'a str,
+    #[serde(rename = "type")]
+    ty: String,
+    offset: Option<u64>,
+    size: Option<u64>,
+    align: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    array_stride: Option<u64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    dims: Vec<Option<u64>>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    strides: &'a [u64],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    matrix_stride: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    row_major: Option<bool>,
+    span: Place,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    members: Vec<Member<'a>>,
+}
+
+#[derive(serde::Serialize)]
+struct LeafObject<'a> {
+    path: &'a str,
+    #[serde(rename = "type")]
+    ty: String,
+    offset: Option<u64>,
+    dims: Vec<Option<u64>>,
+    strides: &'a [u64],
+    size: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    matrix_stride: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    row_major: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    naga_offset: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    naga_dims: Option<&'a [Option<u64>]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    naga_strides: Option<&'a [u64]>,
+}
+
+/// Line and column from 1; the path only when it is not the shader's own.
+#[derive(serde::Serialize)]
+struct Place {
+    line: u32,
+    column: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    path: Option<String>,
+}
+
+struct Context<'a, 'f> {
+    language: Language,
+    path: &'a str,
+    places: &'a mut Places<'f>,
+}
+
+impl Context<'_, '_> {
+    fn place(&mut self, span: Span) -> Place {
+        let at = self.places.locate(span);
+        let path = (at.path != self.path).then_some(at.path);
+        Place { line: at.line, column: at.column, path }
+    }
+}
+
+fn block_object<'a>(
+    block: &'a BlockLayout,
+    context: &mut Context<'_, '_>,
+    options: &EmitOptions,
+) -> Block<'a> {
+    let expanded = options.expand && expand::can_expand(block);
+    Block {
+        name: &block.name,
+        instance: block.instance.as_deref(),
+        address_space: block.space.name(),
+        // Loose uniforms have no offsets, so no rules either.
+        rules: (block.space != AddressSpace::Default).then(|| block.rules.name()),
+        rules_declared: block.rules_declared,
+        group: block.group,
+        binding: block.binding,
+        count: words::buffers(block),
+        size: block.size,
+        data_size: block.data_size,
+        align: block.align,
+        span: context.place(block.span),
+        opaque: words::opaque(block),
+        members: block.members.iter().map(|m| member_object(m, context)).collect(),
+        leaves: block.leaves.iter().map(|leaf| leaf_object(leaf, context.language)).collect(),
+        offsets: expanded.then_some(Offsets(block)),
+    }
+}
+
+fn member_object<'a>(member: &'a MemberLayout, context: &mut Context<'_, '_>) -> Member<'a> {
+    Member {
+        name: &member.name,
+        ty: member.ty.spelled(context.language).to_string(),
+        offset: member.offset,
+        size: member.size,
+        align: member.align,
+        array_stride: member.strides.first().copied(),
+        dims: dims(&member.dims),
+        strides: &member.strides,
+        matrix_stride: member.matrix_stride,
+        row_major: row_major(&member.ty, member.row_major),
+        span: context.place(member.span),
+        members: member.members.iter().map(|m| member_object(m, context)).collect(),
+    }
+}
+
+fn leaf_object(leaf: &Leaf, language: Language) -> LeafObject<'_> {
+    LeafObject {
+        path: &leaf.path,
+        ty: leaf.ty.spelled(language).to_string(),
+        offset: leaf.offset,
+        dims: dims(&leaf.dims),
+        strides: &leaf.strides,
+        size: leaf.size,
+        matrix_stride: leaf.matrix_stride,
+        row_major: row_major(&leaf.ty, leaf.row_major),
+        naga_offset: leaf.naga.as_ref().map(|naga| naga.offset),
+        naga_dims: leaf.naga.as_ref().map(|naga| naga.dims.as_slice()),
+        naga_strides: leaf.naga.as_ref().map(|naga| naga.strides.as_slice()),
+    }
+}
+
+/// Only matrices are stored one way or the other.
+fn row_major(ty: &Type, row_major: bool) -> Option<bool> {
+    match ty.innermost() {
+        Type::Matrix { .. } => Some(row_major),
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Address(_)
+        | Type::Struct(_)
+        | Type::Array { .. } => None,
+    }
+}
+
+fn dims(dims: &[ArrayLen]) -> Vec<Option<u64>> {
+    dims.iter().map(crate::layout::measure::fixed).collect()
+}
+
+/// Every element's path and offset, written as they are met.
+struct Offsets<'a>(&'a BlockLayout);
+
+impl Serialize for Offsets<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        expand::each(self.0, &mut |element| map.serialize_entry(element.path, &element.offset))?;
+        map.end()
+    }
+}

@@ -1,0 +1,41 @@
+//! Colours: the few styles the formats for the eye use.
+
+use anstyle::{AnsiColor, Style};
+
+/// Whether text carries ANSI colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Paint {
+    /// Text alone.
+    #[default]
+    Plain,
+    /// Text with ANSI escapes.
+    Ansi,
+}
+
+/// No style.
+pub const PLAIN: Style = Style::new();
+/// Names and totals.
+pub const STRONG: Style = Style::new().bold();
+/// Less important text.
+pub const FAINT: Style = Style::new().dimmed();
+/// Types.
+pub const TYPE: Style = AnsiColor::Cyan.on_default();
+/// Headings.
+pub const HEADING: Style = AnsiColor::Green.on_default().bold();
+/// Removed lines and errors.
+pub const REMOVED: Style = AnsiColor::Red.on_default();
+/// Warnings.
+pub const CAUTION: Style = AnsiColor::Yellow.on_default();
+pub(super) const ADDED: Style = AnsiColor::Green.on_default();
+
+impl Paint {
+    /// The text in that style.
+    pub fn text(self, style: Style, text: &str) -> String {
+        match self {
+            Paint::Ansi if style != PLAIN && !text.is_empty() => {
+                format!("{style}{text}{style:#}")
+            }
+            Paint::Ansi | Paint::Plain => text.to_string(),
+        }
+    }
+}

@@ -1,0 +1,368 @@
+//! The default format: a block as a table of its members, indented as they
+//! nest, with rows for padding and a line that sums it up.
+//!
+//! Offsets are from the start of the block; in an array they are those of its
+//! first element, and the strides beside them lead to the others.
+
+use anstyle::Style;
+use unicode_width::UnicodeWidthStr;
+
+use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG, TYPE};
+use super::{EmitOptions, expand, words};
+use crate::ShaderLayout;
+use crate::layout::measure::element_size;
+use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order, tails};
+use crate::layout::{BlockLayout, Leaf, MemberLayout};
+use crate::shape::{AddressSpace, Rules, Type};
+use crate::source::Language;
+
+const COLUMNS: usize = 7;
+const TITLES: [&str; COLUMNS] = ["offset", "size", "align", "stride", "matrix", "type", "name"];
+const NAME: usize = COLUMNS - 1;
+
+pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
+    let paint = options.paint;
+    let mut text = paint.text(STRONG, &shader.path);
+    if let Some(stage) = shader.stage {
+        text.push_str(&paint.text(FAINT, &format!(" ({})", stage.name())));
+    }
+    text.push('\n');
+    if shader.blocks.is_empty() {
+        text.push_str(&paint.text(FAINT, "  no blocks\n"));
+    }
+    for block in &shader.blocks {
+        text.push('\n');
+        text.push_str(&heading(block, shader.language, paint));
+        let expanded = options.expand && expand::can_expand(block);
+        let rows = if expanded {
+            expanded_rows(block, shader.language)
+        } else {
+            rows(block, shader.language)
+        };
+        write_rows(&rows, paint, &mut text);
+        footer(block, &rows, paint, &mut text);
+    }
+    text
+}
+
+pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> String {
+    let mut text = paint.text(HEADING, &words::block_name(block));
+    let mut part = |style: Style, part: &str| {
+        if !part.is_empty() {
+            text.push_str(&paint.text(FAINT, " · "));
+            text.push_str(&paint.text(style, part));
+        }
+    };
+    if block.space == AddressSpace::Default {
+        part(CAUTION, "set one by one, no offsets (--gather lays them out as a block)");
+        text.push('\n');
+        return text;
+    }
+    part(PLAIN, block.rules.name());
+    if !block.rules_declared {
+        part(CAUTION, "rules not declared: the driver's offsets may differ");
+    }
+    part(PLAIN, &words::slot(block, language));
+    if !block.count.is_empty() {
+        let buffers = words::buffers(block).map_or_else(
+            || format!("buffers {}", words::dims(&block.count)),
+            |n| format!("{n} buffers"),
+        );
+        part(PLAIN, &buffers);
+    }
+    part(STRONG, &block.size.map(words::bytes).unwrap_or_default());
+    text.push('\n');
+    text
+}
+
+fn footer(block: &BlockLayout, rows: &[Row], paint: Paint, text: &mut String) {
+    let mut line = |style: Style, line: &str| {
+        if !line.is_empty() {
+            text.push_str("  ");
+            text.push_str(&paint.text(style, line));
+            text.push('\n');
+        }
+    };
+    line(STRONG, &words::summary(block));
+    if rows.iter().any(|row| row.inherited > 0) {
+        line(FAINT, "offsets are those of element 0; element i lies i × stride further");
+    }
+    let opaque = words::opaque(block);
+    if !opaque.is_empty() {
+        line(FAINT, &format!("opaque, no bytes: {}", opaque.join(", ")));
+    }
+}
+
+/// One line of the table.
+#[derive(Default)]
+struct Row {
+    cells: [String; COLUMNS],
+    /// Characters of the stride cell that repeat the strides of arrays around it.
+    inherited: usize,
+    padding: bool,
+    /// What naga reads instead.
+    caution: Option<String>,
+}
+
+fn rows(block: &BlockLayout, language: Language) -> Vec<Row> {
+    let mut table =
+        Table { rules: block.rules, language, leaves: block.leaves.iter(), rows: vec![] };
+    let scope = Scope { base: 0, depth: 0, strides: &[] };
+    let gaps = block.size.map(|size| gaps(&block.members, size)).unwrap_or_default();
+    table.members(&block.members, gaps, (PaddingOwner::Block, None), &scope);
+    table.rows
+}
+
+/// A place on the way down.
+struct Scope<'a> {
+    base: u64,
+    depth: usize,
+    strides: &'a [u64],
+}
+
+struct Table<'a> {
+    rules: Rules,
+    language: Language,
+    /// Leaves stand in the order of the tree, so the next one is the next member without members.
+    leaves: std::slice::Iter<'a, Leaf>,
+    rows: Vec<Row>,
+}
+
+impl Table<'_> {
+    fn members(
+        &mut self,
+        members: &[MemberLayout],
+        gaps: Vec<Gap>,
+        owner: (PaddingOwner, Option<&str>),
+        scope: &Scope<'_>,
+    ) {
+        let mut gaps = in_text_order(gaps).into_iter().peekable();
+        for i in 0..=members.len() {
+            while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
+                let words = words::padding(gap.kind, owner.0, owner.1);
+                let offset = scope.base + gap.offset;
+                self.padding(offset, gap.size, &words, scope.strides, scope.depth);
+            }
+            if let Some(member) = members.get(i) {
+                self.member(member, scope);
+            }
+        }
+    }
+
+    fn padding(&mut self, offset: u64, size: u64, words: &str, strides: &[u64], depth: usize) {
+        let mut row = Row { padding: true, ..Row::default() };
+        row.cells[0] = offset.to_string();
+        row.cells[1] = size.to_string();
+        row.cells[3] = words::spaced(strides);
+        row.cells[NAME] = format!("{}-- {words}", "  ".repeat(depth));
+        row.inherited = row.cells[3].len();
+        self.rows.push(row);
+    }
+
+    fn member(&mut self, member: &MemberLayout, scope: &Scope<'_>) {
+        let number = |n: Option<u64>| n.map(|n| n.to_string()).unwrap_or_default();
+        let mut strides = scope.strides.to_vec();
+        strides.extend(&member.strides);
+        let base = scope.base + member.offset.unwrap_or(0);
+        let is_struct = matches!(member.ty.innermost(), Type::Struct(_));
+        let leaf = if is_struct { None } else { self.leaves.next() };
+        let mut row = Row {
+            cells: [
+                number(member.offset.map(|_| base)),
+                number(member.size),
+                number(member.align),
+                words::spaced(&strides),
+                matrix(member),
+                words::type_name(&member.ty, self.language),
+                format!("{}{}{}", "  ".repeat(scope.depth), member.name, words::dims(&member.dims)),
+            ],
+            caution: leaf.and_then(words::naga),
+            ..Row::default()
+        };
+        row.inherited = words::spaced(scope.strides).len();
+        self.rows.push(row);
+        let inner = Scope { base, depth: scope.depth + 1, strides: &strides };
+        for tail in member.offset.map(|_| tails(member, self.rules)).unwrap_or_default() {
+            let words = match tail.owner {
+                PaddingOwner::Member => format!("tail padding of {}", member.name),
+                owner => words::padding(PaddingKind::Tail, owner, None),
+            };
+            let strides = match tail.owner {
+                PaddingOwner::Member => scope.strides,
+                _ => inner.strides,
+            };
+            self.padding(base + tail.offset, tail.size, &words, strides, inner.depth);
+        }
+        if is_struct {
+            let gaps = match member.offset {
+                Some(_) => gaps(&member.members, element_size(member, self.rules)),
+                None => Vec::new(),
+            };
+            let owner = (PaddingOwner::Structure, words::structure_name(&member.ty));
+            self.members(&member.members, gaps, owner, &inner);
+        }
+    }
+}
+
+/// The matrix stride: `16`, or `16 rows` when the matrix is stored by rows.
+fn matrix(member: &MemberLayout) -> String {
+    let rows = if member.row_major { "rows" } else { "" };
+    match member.matrix_stride {
+        Some(stride) if member.row_major => format!("{stride} {rows}"),
+        Some(stride) => stride.to_string(),
+        None => rows.to_string(),
+    }
+}
+
+fn expanded_rows(block: &BlockLayout, language: Language) -> Vec<Row> {
+    let mut rows = Vec::new();
+    expand::for_each(block, |element| {
+        let mut row = Row::default();
+        row.cells[0] = element.offset.to_string();
+        row.cells[1] = element_size(element.member, block.rules).to_string();
+        row.cells[4] = matrix(element.member);
+        row.cells[5] = words::type_name(&element.member.ty, language);
+        row.cells[NAME] = element.path.to_string();
+        rows.push(row);
+    });
+    rows
+}
+
+fn write_rows(rows: &[Row], paint: Paint, text: &mut String) {
+    let mut widths = [0; COLUMNS];
+    for row in rows {
+        for (width, cell) in widths.iter_mut().zip(&row.cells) {
+            *width = (*width).max(cell.width());
+        }
+    }
+    // A column nothing stands in is left out, its title too.
+    let shown: Vec<usize> = (0..COLUMNS).filter(|&i| widths[i] > 0).collect();
+    for &i in &shown {
+        widths[i] = widths[i].max(TITLES[i].width());
+    }
+    let titles = Row { cells: TITLES.map(str::to_string), padding: true, ..Row::default() };
+    for row in std::iter::once(&titles).chain(rows) {
+        let mut line = String::new();
+        for &i in &shown {
+            line.push_str("  ");
+            line.push_str(&cell(row, i, widths[i], paint));
+        }
+        if let Some(caution) = &row.caution {
+            line.push_str("  ");
+            line.push_str(&paint.text(CAUTION, &format!("<- {caution}")));
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+}
+
+/// A cell filled up to its column's width: numbers to the right, words to the left.
+fn cell(row: &Row, column: usize, width: usize, paint: Paint) -> String {
+    let content = &row.cells[column];
+    let fill = " ".repeat(width - content.width());
+    let is_word = column >= 5;
+    let painted = match column {
+        _ if row.padding => paint.text(FAINT, content),
+        3 => {
+            let (around, own) = content.split_at(row.inherited);
+            format!("{}{own}", paint.text(FAINT, around))
+        }
+        5 => paint.text(TYPE, content),
+        _ => content.clone(),
+    };
+    match column {
+        NAME => painted,
+        _ if is_word => format!("{painted}{fill}"),
+        _ => format!("{fill}{painted}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::examples;
+    use crate::format::{EmitOptions, Format, Paint, document};
+    use crate::layout::NagaPlace;
+    use crate::shape::Rules;
+    use crate::source::Language;
+
+    fn table(blocks: Vec<crate::BlockLayout>) -> String {
+        let shader = examples::shader("a.frag", Language::Glsl, blocks);
+        document(&shader, &EmitOptions::new(Format::Table))
+    }
+
+    #[test]
+    fn point_lights_are_a_table_with_their_padding() {
+        assert_eq!(
+            table(vec![examples::point_lights()]),
+            "\
+a.frag (fragment)
+
+uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
+  offset  size  align  stride  type        name
+       0  6144     16      48  PointLight  data[128]
+       0    12     16      48  vec3          pos
+      12     4             48                -- hole
+      16    12     16      48  vec3          color
+      28     4      4      48  float         intensity
+      32     4      4      48  float         constant
+      36     4      4      48  float         linear
+      40     4      4      48  float         quadratic
+      44     4             48                -- tail padding of PointLight
+    6144     4      4          int         actually_used_count
+    6148    12                             -- tail padding
+  6160 bytes: 5124 used, 1036 padding (16.8 %)
+  offsets are those of element 0; element i lies i × stride further
+"
+        );
+    }
+
+    #[test]
+    fn nested_arrays_matrices_and_what_naga_says_are_shown() {
+        let mut block = examples::padded(Rules::Std140);
+        block.leaves[2].naga =
+            Some(NagaPlace { offset: 28, dims: vec![Some(7)], strides: vec![4] });
+        block.rules_declared = false;
+        let text = table(vec![block]);
+        for line in [
+            "std140 · rules not declared: the driver's offsets may differ · 832 bytes",
+            "      32   112     16         16           float   w[7]  <- naga reads 28 stride 4",
+            "      36    12                16                     -- tail padding of each element",
+            "     144     4      4  288 96 16           float       a",
+            "     720    96     16         48  16 rows  mat2x3  r[2]",
+        ] {
+            assert!(text.contains(line), "{line}\n{text}");
+        }
+    }
+
+    #[test]
+    fn loose_uniforms_have_only_types_and_names() {
+        let text = table(vec![examples::loose()]);
+        assert!(text.contains("\n  type   name\n  vec3   view_pos\n"), "{text}");
+        assert!(text.contains("  opaque, no bytes: diffuse\n"), "{text}");
+    }
+
+    #[test]
+    fn colours_change_no_letter() {
+        let blocks = || vec![examples::padded(Rules::Std430), examples::particles()];
+        let shader = examples::shader("a.frag", Language::Glsl, blocks());
+        let options = EmitOptions { paint: Paint::Ansi, ..EmitOptions::new(Format::Table) };
+        let mut text = document(&shader, &options);
+        assert!(text.contains("\x1b["));
+        while let Some(start) = text.find('\x1b') {
+            let end = start + text[start..].find('m').expect("an escape ends in m");
+            text.replace_range(start..=end, "");
+        }
+        let plain = table(blocks());
+        let trimmed = |text: &str| text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n");
+        assert_eq!(trimmed(&text), trimmed(&plain));
+    }
+
+    #[test]
+    fn expanded_every_element_has_a_row() {
+        let shader = examples::shader("a.frag", Language::Glsl, vec![examples::point_lights()]);
+        let options = EmitOptions { expand: true, ..EmitOptions::new(Format::Table) };
+        let text = document(&shader, &options);
+        assert!(text.contains("     160    12  vec3   data[3].color\n"), "{text}");
+        assert_eq!(text.matches("data[").count(), 128 * 6);
+    }
+}

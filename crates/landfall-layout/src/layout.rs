@@ -1,0 +1,450 @@
+//! The model in the middle: where every member of every block lands.
+//!
+//! Reads [`shape`](crate::shape), applies [`rules`]; everything that prints,
+//! checks or fills a block reads only this.
+
+pub mod attributes;
+pub mod byte;
+pub mod explain;
+mod leaves;
+pub mod measure;
+pub mod padding;
+pub mod path;
+pub mod rules;
+pub mod uniform_constraints;
+
+use std::sync::Arc;
+
+use crate::diagnostic::Diagnostic;
+use crate::shape::{
+    AddressSpace, ArrayLen, Block, Majorness, Member, OffsetOrder, Rules, Struct, Type, Written,
+};
+use crate::source::Span;
+pub(crate) use leaves::leaves_of;
+pub use leaves::occupied;
+use rules::{Alignment, Cursor, TooLarge};
+
+/// A block may not be larger than this: offsets are 32 bits wide in every API.
+pub const LARGEST_BLOCK: u64 = 1 << 32;
+
+/// A block may not have more leaf patterns than this: beyond lies text made to exhaust memory.
+pub const MOST_LEAVES: u64 = 100_000;
+
+/// The layout of one block.
+#[derive(Clone, Debug)]
+pub struct BlockLayout {
+    /// `uniform NAME { … }`; in WGSL the structure's name, or the variable's if it has none.
+    pub name: Arc<str>,
+    /// The variable, where there is one.
+    pub instance: Option<Arc<str>>,
+    /// Where it lives.
+    pub space: AddressSpace,
+    /// The rules it is laid out by.
+    pub rules: Rules,
+    /// Whether the text, or the language itself, says these rules; if not, they are the driver's.
+    pub rules_declared: bool,
+    /// `set = N`, `@group(N)`.
+    pub group: Option<u32>,
+    /// `binding = N`, `@binding(N)`.
+    pub binding: Option<u32>,
+    /// Dimensions of an array of blocks, outermost first: each element is a buffer of its own.
+    pub count: Vec<ArrayLen>,
+    /// Bytes a buffer must hold, a runtime-sized tail counted with one element.
+    /// std140 rounds up to 16, as drivers report; the others to the block's alignment.
+    /// `None` for loose uniforms.
+    pub size: Option<u64>,
+    /// End of the last member; `None` for loose uniforms.
+    pub data_size: Option<u64>,
+    /// Largest alignment of a member (std140: at least 16); `None` for loose uniforms.
+    pub align: Option<u64>,
+    /// Its members in the order of the text.
+    pub members: Vec<MemberLayout>,
+    /// Scalars, vectors and matrices at the ends of the tree, one row a pattern.
+    pub leaves: Vec<Leaf>,
+    /// Members left out because they are opaque (samplers, images): their names.
+    pub opaque: Vec<Arc<str>>,
+    /// Its name in the text.
+    pub span: Span,
+    /// The comments right before it.
+    pub comment: Vec<Span>,
+}
+
+/// The layout of a member of a block or structure.
+#[derive(Clone, Debug)]
+pub struct MemberLayout {
+    /// Its name.
+    pub name: Arc<str>,
+    /// Its type, array dimensions included.
+    pub ty: Type,
+    /// Where it starts in the block or structure it is a member of; `None` for loose uniforms.
+    pub offset: Option<u64>,
+    /// Bytes it occupies; `None` when runtime-sized, and for loose uniforms.
+    pub size: Option<u64>,
+    /// Its offset is a multiple of this; `None` for loose uniforms.
+    pub align: Option<u64>,
+    /// Array dimensions, outermost first.
+    pub dims: Vec<ArrayLen>,
+    /// Distance of elements for each dimension, outermost first; empty for loose uniforms.
+    pub strides: Vec<u64>,
+    /// Distance of columns (rows), when it is a matrix or an array of them.
+    pub matrix_stride: Option<u64>,
+    /// Whether its matrices are stored by rows.
+    pub row_major: bool,
+    /// The members of its structure, offsets from the start of one element.
+    pub members: Vec<MemberLayout>,
+    /// Its name in the text.
+    pub span: Span,
+    /// The comments that belong to it.
+    pub comment: Vec<Span>,
+}
+
+/// A scalar, vector or matrix at the end of the tree; arrays on the way are patterns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leaf {
+    /// `data[].pos`: as OpenGL spells active uniforms, without the block's name.
+    pub path: String,
+    /// The scalar, vector or matrix type.
+    pub ty: Type,
+    /// Of its first element, from the start of the block; `None` for loose uniforms.
+    pub offset: Option<u64>,
+    /// Every array dimension on the way, outermost first.
+    pub dims: Vec<ArrayLen>,
+    /// Distance of elements for each dimension; empty for loose uniforms.
+    pub strides: Vec<u64>,
+    /// Bytes of one element; `None` for loose uniforms.
+    pub size: Option<u64>,
+    /// Distance of columns (rows) of a matrix.
+    pub matrix_stride: Option<u64>,
+    /// Whether a matrix is stored by rows.
+    pub row_major: bool,
+    /// Its name in the text.
+    pub span: Span,
+    /// What naga says, where it was asked, has an answer, and the answer differs.
+    pub naga: Option<NagaPlace>,
+}
+
+/// Where naga, and so wgpu, would read a leaf.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NagaPlace {
+    /// Of the first element, from the start of the block.
+    pub offset: u64,
+    /// Array dimensions as naga takes them, outermost first.
+    pub dims: Vec<Option<u64>>,
+    /// Distance of elements for each dimension.
+    pub strides: Vec<u64>,
+}
+
+/// Lays out a block by its own rules.
+///
+/// # Errors
+/// What makes the block impossible: explicit offsets that overlap or are
+/// misaligned, a size past [`LARGEST_BLOCK`].
+pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
+    let leaves = block.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+    if leaves > MOST_LEAVES {
+        return Err(vec![too_many_leaves(block, leaves)]);
+    }
+    let mut result = BlockLayout {
+        name: block.name.clone(),
+        instance: block.instance.clone(),
+        space: block.space,
+        rules: block.rules,
+        rules_declared: block.rules_declared,
+        group: block.group,
+        binding: block.binding,
+        count: block.count.clone(),
+        size: None,
+        data_size: None,
+        align: None,
+        members: Vec::with_capacity(block.members.len()),
+        leaves: Vec::new(),
+        opaque: block.opaque.clone(),
+        span: block.span,
+        comment: block.comment.clone(),
+    };
+    if block.space == AddressSpace::Default {
+        for member in &block.members {
+            result.members.push(loose(member, block.majorness));
+        }
+    } else {
+        place_members(block, &mut result)?;
+    }
+    result.leaves = leaves_of(&result.members);
+    Ok(result)
+}
+
+fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diagnostic>> {
+    let mut diagnostics = Vec::new();
+    let mut cursor = Cursor::new(block.rules);
+    let mut taken: Vec<(u64, u64, &Member)> = Vec::new();
+    let is_explicit = block.members.iter().any(|m| m.offset.is_some());
+    for member in &block.members {
+        let before = cursor.end();
+        let Ok(placed) = cursor.place(member, block.majorness) else {
+            return Err(vec![too_large(block, member)]);
+        };
+        if let Some(offset) = member.offset {
+            check_offset(block, member, offset, placed, before, &mut diagnostics);
+        }
+        if let Some(size) = placed.extent.size.filter(|&size| size > 0) {
+            let end = placed.offset + size;
+            if let Some(other) = taken.iter().find(|(s, e, _)| placed.offset < *e && *s < end) {
+                // Only an explicit offset, or a member after one, can reach back.
+                diagnostics.push(overlap(member, placed.offset, other));
+            }
+            if is_explicit {
+                taken.push((placed.offset, end, member));
+            }
+        }
+        match member_layout(member, block.rules, placed) {
+            Ok(layout) => result.members.push(layout),
+            Err(TooLarge) => return Err(vec![too_large(block, member)]),
+        }
+        if cursor.furthest() > LARGEST_BLOCK {
+            return Err(vec![too_large(block, member)]);
+        }
+    }
+    if !diagnostics.is_empty() {
+        return Err(diagnostics);
+    }
+    let whole = Cursor::structure(cursor).map_err(|TooLarge| vec![too_large_block(block)])?;
+    let reach = cursor.furthest();
+    let size = match block.rules {
+        // OpenGL 4.6 §7.6.2.2, end: the data size is rounded up to the alignment of a vec4.
+        Rules::Std140 => Alignment::VEC4.round_up(reach),
+        // Rule 9 and WGSL §14.4.2: a structure is padded to its alignment.
+        Rules::Std430 | Rules::Wgsl => whole.align.round_up(reach),
+        // GL_EXT_scalar_block_layout: a structure ends with its last member.
+        Rules::Scalar => Ok(reach),
+    };
+    let size = size.map_err(|TooLarge| vec![too_large_block(block)])?;
+    result.data_size = Some(reach);
+    result.size = Some(size);
+    result.align = Some(whole.align.bytes());
+    Ok(())
+}
+
+/// GLSL 4.60 §4.4.5: what an explicit offset must satisfy.
+fn check_offset(
+    block: &Block,
+    member: &Member,
+    offset: Written,
+    placed: rules::Placed,
+    before: Option<u64>,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let own = rules::extent(&member.ty, block.rules, placed.majorness)
+        .map_or(Alignment::ONE, |extent| extent.align);
+    if !own.divides(offset.value) {
+        diagnostics.push(
+            Diagnostic::error(
+                "misaligned-offset",
+                offset.span,
+                format!(
+                    "`{}` is given offset {}, but a `{}` is aligned to {} bytes in {}",
+                    member.name,
+                    offset.value,
+                    member.ty.spelled(crate::Language::Glsl),
+                    own.bytes(),
+                    block.rules.name(),
+                ),
+            )
+            .with_help(format!(
+                "write `offset = {}`",
+                own.round_up(offset.value).unwrap_or(offset.value)
+            )),
+        );
+        return;
+    }
+    let Some(before) = before else { return };
+    if offset.value < before && block.offset_order == OffsetOrder::Ascending {
+        diagnostics.push(
+            Diagnostic::error(
+                "offset-goes-back",
+                offset.span,
+                format!(
+                    "`{}` is given offset {}, but the member before it ends at {before}",
+                    member.name, offset.value,
+                ),
+            )
+            .with_note(
+                "OpenGL wants explicit offsets in ascending order; only Vulkan takes any order",
+            )
+            .with_help(format!(
+                "write `offset = {}` or more, or say `--target vulkan`",
+                own.round_up(before).unwrap_or(before)
+            )),
+        );
+    }
+}
+
+/// What OpenGL would refuse in a block that only the text's author knows to be Vulkan's.
+pub fn untold_order(block: &Block, layout: &BlockLayout) -> Vec<Diagnostic> {
+    if block.offset_order != OffsetOrder::Untold {
+        return Vec::new();
+    }
+    let goes_back = |pair: &[MemberLayout]| {
+        let end = pair[0].offset.zip(pair[0].size).map(|(offset, size)| offset + size);
+        end.filter(|end| pair[1].offset < Some(*end))
+    };
+    let pairs = layout.members.windows(2);
+    pairs
+        .filter_map(|pair| Some((&pair[1], goes_back(pair)?)))
+        .map(|(member, end)| {
+            let message = format!(
+                "`{}` is at offset {}, but the member before it ends at {end}",
+                member.name,
+                member.offset.unwrap_or(0),
+            );
+            Diagnostic::warning("offset-goes-back", member.span, message)
+                .with_note("Vulkan takes explicit offsets in any order, OpenGL only ascending ones")
+                .with_help("say which it is for with `--target vulkan` or `--target opengl`")
+        })
+        .collect()
+}
+
+fn overlap(member: &Member, at: u64, other: &(u64, u64, &Member)) -> Diagnostic {
+    Diagnostic::error(
+        "overlapping-members",
+        member.span,
+        format!(
+            "`{}` at offset {at} overlaps `{}`, which occupies {} to {}",
+            member.name,
+            other.2.name,
+            other.0,
+            other.1 - 1
+        ),
+    )
+    .with_label(other.2.span, "the other member")
+}
+
+fn too_many_leaves(block: &Block, leaves: u64) -> Diagnostic {
+    let message = format!("block `{}` has {leaves} members at the ends of its tree", block.name);
+    Diagnostic::error("too-many-members", block.span, message)
+        .with_note(format!("landfall lays out at most {MOST_LEAVES} a block"))
+}
+
+fn too_large(block: &Block, member: &Member) -> Diagnostic {
+    Diagnostic::error(
+        "block-too-large",
+        member.span,
+        format!("block `{}` is larger than 2^32 bytes at member `{}`", block.name, member.name),
+    )
+    .with_note(format!("offsets are 32 bits wide: a block holds at most {LARGEST_BLOCK} bytes"))
+    .with_help("use smaller arrays")
+}
+
+fn too_large_block(block: &Block) -> Diagnostic {
+    Diagnostic::error(
+        "block-too-large",
+        block.span,
+        format!("block `{}` is larger than 2^32 bytes", block.name),
+    )
+    .with_help("use smaller arrays")
+}
+
+/// The layout of a placed member and of everything below it.
+fn member_layout(
+    member: &Member,
+    rules: Rules,
+    placed: rules::Placed,
+) -> Result<MemberLayout, TooLarge> {
+    let mut strides = Vec::new();
+    let mut ty = &member.ty;
+    while let Type::Array { element, .. } = ty {
+        let extent = rules::extent(ty, rules, placed.majorness)?;
+        strides.push(extent.array_stride.expect("an array has a stride"));
+        ty = element;
+    }
+    let members = match ty {
+        Type::Struct(s) => struct_members(s, rules, placed.majorness)?,
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Array { .. } => Vec::new(),
+    };
+    Ok(MemberLayout {
+        name: member.name.clone(),
+        ty: member.ty.clone(),
+        offset: Some(placed.offset),
+        size: placed.extent.size,
+        align: Some(placed.extent.align.bytes()),
+        dims: member.ty.dims(),
+        strides,
+        matrix_stride: placed.extent.matrix_stride,
+        row_major: is_matrix(ty) && placed.majorness == Majorness::Row,
+        members,
+        span: member.span,
+        comment: member.comment.clone(),
+    })
+}
+
+fn struct_members(
+    s: &Struct,
+    rules: Rules,
+    majorness: Majorness,
+) -> Result<Vec<MemberLayout>, TooLarge> {
+    let mut cursor = Cursor::new(rules);
+    s.members
+        .iter()
+        .map(|member| {
+            let placed = cursor.place(member, majorness)?;
+            member_layout(member, rules, placed)
+        })
+        .collect()
+}
+
+/// A loose uniform: a name and a type, no byte.
+fn loose(member: &Member, inherited: Majorness) -> MemberLayout {
+    let majorness = member.majorness.unwrap_or(inherited);
+    let members = match member.ty.innermost() {
+        Type::Struct(s) => s.members.iter().map(|m| loose(m, majorness)).collect(),
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Array { .. } => Vec::new(),
+    };
+    MemberLayout {
+        name: member.name.clone(),
+        ty: member.ty.clone(),
+        offset: None,
+        size: None,
+        align: None,
+        dims: member.ty.dims(),
+        strides: Vec::new(),
+        matrix_stride: None,
+        row_major: is_matrix(member.ty.innermost()) && majorness == Majorness::Row,
+        members,
+        span: member.span,
+        comment: member.comment.clone(),
+    }
+}
+
+fn is_matrix(ty: &Type) -> bool {
+    matches!(ty, Type::Matrix { .. })
+}
+
+impl BlockLayout {
+    /// Bytes of the block that hold components; the rest of [`size`](Self::size) is padding.
+    /// A runtime-sized dimension counts once.
+    pub fn used(&self) -> u64 {
+        self.leaves
+            .iter()
+            .map(|leaf| {
+                let elements: u64 = leaf
+                    .dims
+                    .iter()
+                    .map(|len| match len {
+                        ArrayLen::Fixed(n) => u64::from(*n),
+                        ArrayLen::Runtime | ArrayLen::Override(_) => 1,
+                    })
+                    .product();
+                occupied(&leaf.ty) * elements
+            })
+            .sum()
+    }
+}

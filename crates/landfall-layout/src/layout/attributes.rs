@@ -1,0 +1,92 @@
+//! WGSL's `@align` and `@size` (§11): what they may say of the type they stand at.
+//!
+//! Reads [`shape`](crate::shape) before it is laid out: what is wrong here makes no layout.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashSet;
+
+use super::rules;
+use super::rules::Extent;
+use crate::diagnostic::Diagnostic;
+use crate::shape::{Block, Majorness, Member, Rules, Struct, Type};
+
+/// The findings about attributes anywhere in a block, each structure looked at once.
+pub fn check(block: &Block) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    check_members(&block.members, &mut FxHashSet::default(), &mut diagnostics);
+    diagnostics
+}
+
+fn check_members(
+    members: &[Member],
+    seen: &mut FxHashSet<*const Struct>,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    for member in members {
+        if let Type::Struct(inner) = member.ty.innermost() {
+            if seen.insert(Arc::as_ptr(inner)) {
+                check_members(&inner.members, seen, diagnostics);
+            }
+        }
+        if member.align.is_none() && member.size.is_none() {
+            continue;
+        }
+        // A type too large to have an extent, or too much to walk, is refused when it is laid out.
+        if member.ty.leaves() > super::MOST_LEAVES {
+            continue;
+        }
+        if let Ok(extent) = rules::extent(&member.ty, Rules::Wgsl, Majorness::Column) {
+            check_align(member, extent, diagnostics);
+            check_size(member, extent, diagnostics);
+        }
+    }
+}
+
+/// §11.1: a power of two, and a multiple of the type's own alignment.
+fn check_align(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic>) {
+    let Some(written) = member.align else { return };
+    let own = extent.align.bytes();
+    let message = if !written.value.is_power_of_two() {
+        format!("`@align({})` is not a power of two", written.value)
+    } else if written.value < own {
+        format!(
+            "`@align({})` is less than {own}, the alignment of `{}`",
+            written.value,
+            member.ty.spelled(crate::Language::Wgsl),
+        )
+    } else {
+        return;
+    };
+    let fits = written.value.checked_next_power_of_two().map_or(own, |power| power.max(own));
+    diagnostics.push(
+        Diagnostic::error("invalid-align", written.span, message)
+            .with_label(member.span, "of this member")
+            .with_help(format!("write `@align({fits})`")),
+    );
+}
+
+/// §11.10: at least the size of the type, which must have one.
+fn check_size(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic>) {
+    let Some(written) = member.size else { return };
+    let diagnostic = match extent.size {
+        None => Diagnostic::error(
+            "invalid-size",
+            written.span,
+            format!("`{}` is runtime-sized, `@size` cannot say its size", member.name),
+        )
+        .with_help("remove `@size`"),
+        Some(own) if written.value < own => Diagnostic::error(
+            "invalid-size",
+            written.span,
+            format!(
+                "`@size({})` is less than {own}, the size of `{}`",
+                written.value,
+                member.ty.spelled(crate::Language::Wgsl),
+            ),
+        )
+        .with_help(format!("write `@size({own})`")),
+        Some(_) => return,
+    };
+    diagnostics.push(diagnostic.with_label(member.span, "of this member"));
+}

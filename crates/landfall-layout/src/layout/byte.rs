@@ -1,0 +1,304 @@
+//! Which component, or which padding, a byte of a block belongs to.
+//!
+//! Reads the [model](super) and [`padding`](super::padding), feeds
+//! [`emit`](crate::format).
+
+use std::sync::Arc;
+
+use super::measure::{element_size, fixed, matrix_vector, own_size, reach};
+use super::padding::{Gap, PaddingKind, PaddingOwner, gaps};
+use super::{BlockLayout, MemberLayout};
+use crate::shape::{ArrayLen, Scalar, Type};
+
+/// Who a byte belongs to. Offsets are from the start of the block.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ByteOwner {
+    /// A component of a scalar, vector or matrix.
+    Component {
+        /// `data[3].color`.
+        leaf: String,
+        /// The leaf's type.
+        ty: Type,
+        /// First byte of the leaf.
+        leaf_offset: u64,
+        /// Bytes of the leaf.
+        leaf_size: u64,
+        /// `data[3].color.x`; the leaf itself when it has one component.
+        path: String,
+        /// First byte of the component.
+        offset: u64,
+        /// Bytes of the component.
+        size: u64,
+        /// Which of the component's bytes it is, from 0.
+        byte: u64,
+    },
+    /// Nobody: padding.
+    Padding {
+        /// Hole or tail padding.
+        kind: PaddingKind,
+        /// What it belongs to.
+        owner: PaddingOwner,
+        /// The owner: `data[3]`, empty for the block.
+        path: String,
+        /// First byte of the padding.
+        offset: u64,
+        /// Bytes of padding.
+        size: u64,
+        /// The member right before it.
+        after: Option<Arc<str>>,
+        /// The member right after it.
+        before: Option<Arc<str>>,
+    },
+    /// It lies past the end of the block.
+    Beyond {
+        /// Bytes of the block.
+        size: u64,
+    },
+    /// The block is loose uniforms, which have no bytes.
+    Loose,
+}
+
+/// Who the byte at that offset of a block belongs to. A runtime-sized array goes on for as long
+/// as it is asked.
+pub fn owner_of_byte(block: &BlockLayout, byte: u64) -> ByteOwner {
+    let Some(size) = block.size else { return ByteOwner::Loose };
+    let scope = Scope { block, byte, path: String::new(), base: 0 };
+    if let Some(found) = in_members(&block.members, &scope) {
+        return found;
+    }
+    if byte >= size {
+        return ByteOwner::Beyond { size };
+    }
+    in_gap(&block.members, size, PaddingOwner::Block, &scope)
+}
+
+/// A place on the way down: the concrete path and the offset it starts at.
+struct Scope<'a> {
+    block: &'a BlockLayout,
+    byte: u64,
+    path: String,
+    base: u64,
+}
+
+impl Scope<'_> {
+    fn padding(&self, owner: PaddingOwner, path: &str, offset: u64, size: u64) -> ByteOwner {
+        ByteOwner::Padding {
+            kind: PaddingKind::Tail,
+            owner,
+            path: path.to_string(),
+            offset,
+            size,
+            after: None,
+            before: None,
+        }
+    }
+}
+
+fn in_members(members: &[MemberLayout], scope: &Scope<'_>) -> Option<ByteOwner> {
+    let at = scope.byte - scope.base;
+    let member = members.iter().find(|member| {
+        member.offset.is_some_and(|offset| {
+            at >= offset && (is_endless(member) || at < offset + reach(member))
+        })
+    })?;
+    Some(in_member(member, scope))
+}
+
+/// Whether it goes on to the end of the buffer.
+fn is_endless(member: &MemberLayout) -> bool {
+    match member.dims.first() {
+        Some(ArrayLen::Runtime | ArrayLen::Override(_)) => true,
+        Some(ArrayLen::Fixed(_)) | None => false,
+    }
+}
+
+fn in_member(member: &MemberLayout, scope: &Scope<'_>) -> ByteOwner {
+    let rules = scope.block.rules;
+    let start = scope.base + member.offset.unwrap_or(0);
+    let mut path = scope.path.clone();
+    if !path.is_empty() {
+        path.push('.');
+    }
+    path.push_str(&member.name);
+    let own = own_size(member, rules);
+    if !is_endless(member) && scope.byte - start >= own {
+        let size = reach(member) - own;
+        return scope.padding(PaddingOwner::Member, &path, start + own, size);
+    }
+    let mut base = start;
+    for (len, &stride) in member.dims.iter().zip(&member.strides) {
+        let index = (scope.byte - base).checked_div(stride).unwrap_or(0);
+        debug_assert!(fixed(len).is_none_or(|len| index < len) || is_endless(member));
+        path.push_str(&format!("[{index}]"));
+        base += index * stride;
+    }
+    let whole = element_size(member, rules);
+    if scope.byte - base >= whole {
+        let stride = member.strides.last().copied().unwrap_or(whole);
+        return scope.padding(PaddingOwner::Element, &path, base + whole, stride - whole);
+    }
+    if let Type::Struct(_) = member.ty.innermost() {
+        let inner = Scope { path, base, ..*scope };
+        return in_members(&member.members, &inner)
+            .unwrap_or_else(|| in_gap(&member.members, whole, PaddingOwner::Structure, &inner));
+    }
+    in_leaf(member, &path, base, scope)
+}
+
+fn in_leaf(member: &MemberLayout, leaf: &str, base: u64, scope: &Scope<'_>) -> ByteOwner {
+    let ty = member.ty.innermost();
+    let at = scope.byte - base;
+    let component = |path: String, offset: u64, size: u64| ByteOwner::Component {
+        leaf: leaf.to_string(),
+        ty: ty.clone(),
+        leaf_offset: base,
+        leaf_size: element_size(member, scope.block.rules),
+        path,
+        offset,
+        size,
+        byte: scope.byte - offset,
+    };
+    match ty {
+        Type::Vector { scalar, .. } => {
+            let width = width(*scalar);
+            let i = at / width;
+            component(format!("{leaf}.{}", component_name(i)), base + i * width, width)
+        }
+        Type::Matrix { scalar, .. } => {
+            let width = width(*scalar);
+            let stride = member.matrix_stride.expect("a placed matrix has a stride");
+            let vector = matrix_vector(member).expect("the type is a matrix");
+            let (i, inside) = (at / stride, at % stride);
+            let start = base + i * stride;
+            if inside >= vector.bytes {
+                let owner = if member.row_major { PaddingOwner::Row } else { PaddingOwner::Column };
+                // GLSL has no spelling for a row of a matrix: the matrix is named, the row counted.
+                let path = if member.row_major { leaf.to_string() } else { format!("{leaf}[{i}]") };
+                let size = stride - vector.bytes;
+                return scope.padding(owner, &path, start + vector.bytes, size);
+            }
+            let j = inside / width;
+            let (column, row) = if member.row_major { (j, i) } else { (i, j) };
+            let path = format!("{leaf}[{column}].{}", component_name(row));
+            component(path, start + j * width, width)
+        }
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Address(_)
+        | Type::Struct(_)
+        | Type::Array { .. } => {
+            component(leaf.to_string(), base, element_size(member, scope.block.rules))
+        }
+    }
+}
+
+fn in_gap(
+    members: &[MemberLayout],
+    whole: u64,
+    owner: PaddingOwner,
+    scope: &Scope<'_>,
+) -> ByteOwner {
+    let at = scope.byte - scope.base;
+    let holds = |gap: &Gap| at >= gap.offset && at < gap.offset + gap.size;
+    let gap = gaps(members, whole)
+        .into_iter()
+        .find(holds)
+        .expect("a byte of a structure that no member holds lies in a gap");
+    ByteOwner::Padding {
+        kind: gap.kind,
+        owner,
+        path: scope.path.clone(),
+        offset: scope.base + gap.offset,
+        size: gap.size,
+        after: gap.after.map(|i| members[i].name.clone()),
+        before: gap.before.map(|i| members[i].name.clone()),
+    }
+}
+
+fn width(scalar: Scalar) -> u64 {
+    scalar.width.into()
+}
+
+/// `x`, `y`, `z`, `w`.
+pub(crate) fn component_name(index: u64) -> &'static str {
+    match index {
+        0 => "x",
+        1 => "y",
+        2 => "z",
+        _ => "w",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::*;
+    use crate::shape::Rules;
+
+    fn component(block: &BlockLayout, byte: u64) -> (String, u64) {
+        match owner_of_byte(block, byte) {
+            ByteOwner::Component { path, byte, .. } => (path, byte),
+            other => panic!("byte {byte}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn bytes_of_the_point_lights_have_their_owners() {
+        let block = point_lights();
+        assert_eq!(component(&block, 0), ("data[0].pos.x".to_string(), 0));
+        assert_eq!(component(&block, 160), ("data[3].color.x".to_string(), 0));
+        assert_eq!(component(&block, 171), ("data[3].color.z".to_string(), 3));
+        assert_eq!(component(&block, 172), ("data[3].intensity".to_string(), 0));
+        assert_eq!(component(&block, 6147), ("actually_used_count".to_string(), 3));
+        match owner_of_byte(&block, 157) {
+            ByteOwner::Padding { kind, path, offset, size, after, before, .. } => {
+                assert_eq!((kind, path.as_str()), (PaddingKind::Hole, "data[3]"));
+                assert_eq!((offset, size), (156, 4));
+                assert_eq!((after.as_deref(), before.as_deref()), (Some("pos"), Some("color")));
+            }
+            other => panic!("{other:?}"),
+        }
+        assert_eq!(owner_of_byte(&block, 6160), ByteOwner::Beyond { size: 6160 });
+    }
+
+    #[test]
+    fn every_byte_of_a_block_has_an_owner_and_they_add_up() {
+        for rules in [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl] {
+            for block in [padded(rules), doubles(rules), point_lights(), particles()] {
+                let size = block.size.unwrap();
+                let used = (0..size)
+                    .filter(|&byte| {
+                        matches!(owner_of_byte(&block, byte), ByteOwner::Component { .. })
+                    })
+                    .count();
+                assert_eq!(used as u64, block.used(), "{rules:?} {}", block.name);
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_a_row_major_matrix_are_named_by_column_and_component() {
+        // `r` is two row-major mat2x3 at 720: three rows of two floats, 16 bytes apart.
+        let block = padded(Rules::Std140);
+        assert_eq!(component(&block, 720 + 48 + 16 + 4), ("r[1][1].y".to_string(), 0));
+        match owner_of_byte(&block, 720 + 8) {
+            ByteOwner::Padding { owner, size, .. } => {
+                assert_eq!((owner, size), (PaddingOwner::Row, 8));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_runtime_sized_tail_goes_on() {
+        assert_eq!(
+            component(&particles(), 16 + 1000 * 16 + 12),
+            ("particles[1000].age".to_string(), 0)
+        );
+    }
+
+    #[test]
+    fn loose_uniforms_own_no_bytes() {
+        assert_eq!(owner_of_byte(&loose(), 0), ByteOwner::Loose);
+    }
+}

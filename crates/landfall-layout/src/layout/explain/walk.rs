@@ -1,0 +1,360 @@
+//! The walk along a path, one member, index or component at a time.
+
+use std::sync::Arc;
+
+use super::{Step, StepKind};
+use crate::layout::byte::component_name;
+use crate::layout::measure::{
+    array_size, element_size, fixed, matrix_vector, own_size, reach, structure,
+};
+use crate::layout::path::{PathError, PathErrorKind};
+use crate::layout::rules;
+use crate::layout::rules::Rule;
+use crate::layout::{BlockLayout, LARGEST_BLOCK, MemberLayout};
+use crate::shape::{ArrayLen, Majorness, Rules, Scalar, Type};
+use crate::source::Language;
+use crate::text::edit_distance::nearest;
+
+/// Where a walk stands.
+#[derive(Clone, Copy)]
+enum Place<'a> {
+    /// At the start of a block.
+    Members(&'a [MemberLayout]),
+    /// At a member, that many of its dimensions indexed.
+    Member(&'a MemberLayout, usize),
+    /// At a vector, or a column of a matrix.
+    Vector(Components),
+    /// At a component.
+    Component(Scalar),
+}
+
+/// The components of a vector, or of a column of a matrix.
+#[derive(Clone, Copy)]
+struct Components {
+    scalar: Scalar,
+    count: u64,
+    /// From one to the next.
+    stride: u64,
+}
+
+impl Components {
+    fn of_vector(scalar: Scalar, rows: u8) -> Components {
+        Components { scalar, count: rows.into(), stride: scalar.width.into() }
+    }
+}
+
+/// A walk from the start of a block.
+pub(super) struct Walk<'a> {
+    block: &'a BlockLayout,
+    language: Language,
+    /// The steps taken.
+    pub steps: Vec<Step>,
+    /// The path they lead along.
+    pub path: String,
+    /// Where that is, from the start of the block.
+    pub at: u64,
+    place: Place<'a>,
+    /// Segments of the user's path that led somewhere.
+    pub resolved: usize,
+}
+
+impl<'a> Walk<'a> {
+    /// At the start of a block, that many segments of the path spent on its name.
+    pub fn new(block: &'a BlockLayout, language: Language, resolved: usize) -> Walk<'a> {
+        let place = Place::Members(&block.members);
+        Walk { block, language, steps: vec![], path: String::new(), at: 0, place, resolved }
+    }
+
+    fn fail<T>(&self, kind: PathErrorKind) -> Result<T, PathError> {
+        Err(PathError { kind, resolved: self.resolved })
+    }
+
+    fn step(&mut self, text: &str, ty: String, adds: u64, kind: StepKind) {
+        self.path.push_str(text);
+        self.steps.push(Step { path: self.path.clone(), ty, base: self.at, adds, kind });
+        self.at += adds;
+        self.resolved += 1;
+    }
+
+    fn spelled(&self, ty: &Type) -> String {
+        ty.spelled(self.language).to_string()
+    }
+
+    fn here(&self) -> String {
+        self.steps.last().map(|step| step.ty.clone()).unwrap_or_default()
+    }
+
+    /// On to a member, or to a component by its letter.
+    pub fn name(&mut self, name: &str) -> Result<(), PathError> {
+        match self.place {
+            Place::Members(members) => self.member(members, name),
+            Place::Member(member, indexed) if indexed == member.dims.len() => {
+                match member.ty.innermost() {
+                    Type::Struct(_) => self.member(&member.members, name),
+                    Type::Vector { scalar, rows } => {
+                        self.component(name, Components::of_vector(*scalar, *rows))
+                    }
+                    Type::Scalar(_)
+                    | Type::Atomic(_)
+                    | Type::Matrix { .. }
+                    | Type::Address(_)
+                    | Type::Array { .. } => self.no_member(name),
+                }
+            }
+            Place::Vector(components) => self.component(name, components),
+            Place::Member(..) | Place::Component(_) => self.no_member(name),
+        }
+    }
+
+    fn no_member(&self, name: &str) -> Result<(), PathError> {
+        let (path, ty) = (self.path.clone(), self.here());
+        self.fail(PathErrorKind::NotAStructure { path, ty, name: name.to_string() })
+    }
+
+    fn member(&mut self, members: &'a [MemberLayout], name: &str) -> Result<(), PathError> {
+        let Some(i) = members.iter().position(|m| *m.name == *name) else {
+            return match self.place {
+                Place::Member(member, _) => self.fail(self.unknown_in(member, name)),
+                _ => self.fail(unknown(self.block, name)),
+            };
+        };
+        let member = &members[i];
+        let rules = self.block.rules;
+        let previous = i.checked_sub(1).map(|i| &members[i]);
+        let previous_end = match previous.and_then(|m| Some((m.offset?, m.size?))) {
+            Some((offset, size)) => offset + size,
+            // After a runtime-sized member, the furthest end so far.
+            None => structure(&members[..i], rules).data_size,
+        };
+        let offset = member.offset.unwrap_or(0);
+        let align = member.align.unwrap_or(1);
+        let own = own_size(member, rules);
+        let kind = StepKind::Member {
+            rule: rule_of(&member.ty, rules, member),
+            own_align: own_align(member, rules),
+            align,
+            after: previous.map(|m| m.name.clone()),
+            previous_end,
+            written: offset != previous_end.next_multiple_of(align),
+            size: member.size,
+            own_size: (reach(member) > own).then_some(own),
+        };
+        let text = if self.path.is_empty() { name.to_string() } else { format!(".{name}") };
+        self.step(&text, self.spelled(&member.ty), offset, kind);
+        self.place = Place::Member(member, 0);
+        Ok(())
+    }
+
+    fn unknown_in(&self, member: &MemberLayout, name: &str) -> PathErrorKind {
+        if let Type::Struct(s) = member.ty.innermost() {
+            if s.opaque.iter().any(|o| **o == *name) {
+                return PathErrorKind::Opaque { name: format!("{}.{name}", self.path) };
+            }
+        }
+        let owner = format!("`{}`, a `{}`,", self.path, self.spelled(member.ty.innermost()));
+        unknown_member(owner, name, &member.members)
+    }
+
+    /// On to an element, column or component by its number.
+    pub fn index(&mut self, index: Option<u64>) -> Result<(), PathError> {
+        let not_an_array = PathErrorKind::NotAnArray { path: self.path.clone(), ty: self.here() };
+        match self.place {
+            Place::Member(member, indexed) if indexed < member.dims.len() => {
+                self.element(member, indexed, index)
+            }
+            Place::Member(member, _) => match (member.ty.innermost(), index) {
+                (Type::Vector { scalar, rows }, Some(index)) => {
+                    self.nth_component(index, None, Components::of_vector(*scalar, *rows))
+                }
+                (Type::Matrix { .. }, Some(index)) => self.column(member, index),
+                _ => self.fail(not_an_array),
+            },
+            Place::Vector(components) => match index {
+                Some(index) => self.nth_component(index, None, components),
+                None => self.fail(not_an_array),
+            },
+            Place::Members(_) | Place::Component(_) => self.fail(not_an_array),
+        }
+    }
+
+    fn in_range(&self, index: u64, len: u64, what: &'static str) -> Result<(), PathError> {
+        if index < len {
+            return Ok(());
+        }
+        self.fail(PathErrorKind::OutOfRange { path: self.path.clone(), index, len, what })
+    }
+
+    fn element(
+        &mut self,
+        member: &'a MemberLayout,
+        indexed: usize,
+        index: Option<u64>,
+    ) -> Result<(), PathError> {
+        let len = fixed(&member.dims[indexed]);
+        if let (Some(index), Some(len)) = (index, len) {
+            self.in_range(index, len, "elements")?;
+        }
+        let rules = self.block.rules;
+        let stride = member.strides[indexed];
+        let Some(adds) = index.unwrap_or(0).checked_mul(stride).filter(|n| *n < 1 << 62) else {
+            let (path, index) = (self.path.clone(), index.unwrap_or(0));
+            let len = LARGEST_BLOCK / stride.max(1);
+            return self.fail(PathErrorKind::OutOfRange { path, index, len, what: "elements" });
+        };
+        let mut array = &member.ty;
+        for _ in 0..indexed {
+            array = element_of(array);
+        }
+        let below = element_of(array);
+        let kind = StepKind::Element {
+            index,
+            len,
+            stride,
+            element_size: unrounded_element(member, indexed, rules),
+            align: own_align(member, rules),
+            rule: rule_of(array, rules, member),
+        };
+        let text = index.map_or_else(|| "[]".to_string(), |i| format!("[{i}]"));
+        self.step(&text, self.spelled(below), adds, kind);
+        self.place = Place::Member(member, indexed + 1);
+        Ok(())
+    }
+
+    fn column(&mut self, member: &'a MemberLayout, index: u64) -> Result<(), PathError> {
+        let Type::Matrix { scalar, columns, rows } = member.ty.innermost() else {
+            return Ok(());
+        };
+        self.in_range(index, u64::from(*columns), "columns")?;
+        let width = u64::from(scalar.width);
+        let stride = member.matrix_stride.unwrap_or(0);
+        let (adds, apart, kind) = if member.row_major {
+            let kind = StepKind::ColumnAcrossRows { index, width, stride };
+            (index * width, stride, kind)
+        } else {
+            let column_size = matrix_vector(member).map_or(0, |vector| vector.bytes);
+            (index * stride, width, StepKind::Column { index, stride, column_size })
+        };
+        let column = Type::Vector { scalar: *scalar, rows: *rows };
+        self.step(&format!("[{index}]"), self.spelled(&column), adds, kind);
+        let components = Components { scalar: *scalar, count: u64::from(*rows), stride: apart };
+        self.place = Place::Vector(components);
+        Ok(())
+    }
+
+    fn component(&mut self, name: &str, components: Components) -> Result<(), PathError> {
+        let index = ["xyzw", "rgba", "stpq"].iter().find_map(|set| {
+            let mut letters = name.chars();
+            match (letters.next(), letters.next()) {
+                (Some(letter), None) => set.find(letter),
+                _ => None,
+            }
+        });
+        match index {
+            Some(index) if (index as u64) < components.count => {
+                self.nth_component(index as u64, Some(name), components)
+            }
+            _ => self.no_member(name),
+        }
+    }
+
+    fn nth_component(
+        &mut self,
+        index: u64,
+        name: Option<&str>,
+        Components { scalar, count, stride }: Components,
+    ) -> Result<(), PathError> {
+        self.in_range(index, count, "components")?;
+        let text = format!(".{}", name.unwrap_or(component_name(index)));
+        let ty = self.spelled(&Type::Scalar(scalar));
+        self.step(&text, ty, index * stride, StepKind::Component { index, stride });
+        self.place = Place::Component(scalar);
+        Ok(())
+    }
+
+    /// Bytes from the first to the last of the place the walk ended at.
+    pub fn size(&self) -> Option<u64> {
+        match self.place {
+            Place::Members(_) => self.block.size,
+            Place::Member(member, 0) => member.size,
+            Place::Member(member, indexed) if indexed < member.dims.len() => {
+                array_size(member, indexed, self.block.rules)
+            }
+            Place::Member(member, _) => Some(element_size(member, self.block.rules)),
+            Place::Vector(Components { scalar, count, stride }) => {
+                Some((count - 1) * stride + u64::from(scalar.width))
+            }
+            Place::Component(scalar) => Some(scalar.width.into()),
+        }
+    }
+}
+
+fn element_of(ty: &Type) -> &Type {
+    match ty {
+        Type::Array { element, .. } => element,
+        plain => plain,
+    }
+}
+
+/// The rule a type is laid out by, as it stands in `member`.
+fn rule_of(ty: &Type, rules: Rules, member: &MemberLayout) -> Rule {
+    let majorness = if member.row_major { Majorness::Row } else { Majorness::Column };
+    rules::extent(ty, rules, majorness).map_or(Rule::Structure, |extent| extent.rule)
+}
+
+/// The alignment a member's type has by the rules, without `align = N` or `@align(N)` of its own.
+fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
+    let array = match rules {
+        Rules::Std140 if !member.dims.is_empty() => 16,
+        Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Wgsl => 1,
+    };
+    let ty = member.ty.innermost();
+    let own = match ty {
+        Type::Struct(_) => structure(&member.members, rules).align,
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Array { .. } => {
+            let majorness = if member.row_major { Majorness::Row } else { Majorness::Column };
+            rules::extent(ty, rules, majorness).map_or(1, |extent| extent.align.bytes())
+        }
+    };
+    own.max(array)
+}
+
+/// Bytes of an element of a dimension before they are rounded up to the stride.
+fn unrounded_element(member: &MemberLayout, indexed: usize, rules: Rules) -> u64 {
+    match (member.dims.get(indexed + 1), member.strides.get(indexed + 1)) {
+        (Some(ArrayLen::Fixed(_)), Some(_)) => {
+            array_size(member, indexed + 1, rules).unwrap_or_default()
+        }
+        (Some(ArrayLen::Runtime | ArrayLen::Override(_)), Some(stride)) => *stride,
+        _ => match member.ty.innermost() {
+            Type::Struct(_) => structure(&member.members, rules).data_size,
+            Type::Scalar(_)
+            | Type::Atomic(_)
+            | Type::Vector { .. }
+            | Type::Matrix { .. }
+            | Type::Address(_)
+            | Type::Array { .. } => element_size(member, rules),
+        },
+    }
+}
+
+/// Why a block has no member of that name.
+pub(super) fn unknown(block: &BlockLayout, name: &str) -> PathErrorKind {
+    if block.opaque.iter().any(|o| **o == *name) {
+        return PathErrorKind::Opaque { name: name.to_string() };
+    }
+    unknown_member(format!("block `{}`", block.name), name, &block.members)
+}
+
+fn unknown_member(owner: String, name: &str, members: &[MemberLayout]) -> PathErrorKind {
+    PathErrorKind::UnknownMember {
+        owner,
+        name: name.to_string(),
+        nearest: nearest(name, members.iter().map(|m| &*m.name)).map(Arc::from),
+        members: members.iter().map(|m| m.name.clone()).collect(),
+    }
+}

@@ -1,0 +1,358 @@
+//! The bytes of a block that hold nothing: holes between members, and tail
+//! padding of blocks, structures, array elements, columns and rows.
+//!
+//! Reads the [model](super), feeds [`emit`](crate::format) and [`byte`](super::byte).
+
+use std::sync::Arc;
+
+use super::measure::{element_size, elements, matrix_vector, own_size, reach};
+use super::{BlockLayout, MemberLayout};
+use crate::shape::{Rules, Type};
+
+/// Where in its owner padding stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PaddingKind {
+    /// Between two members, or before the first.
+    Hole,
+    /// After the last thing its owner holds.
+    Tail,
+}
+
+impl PaddingKind {
+    /// The words used in messages: `hole` or `tail padding`.
+    pub fn words(self) -> &'static str {
+        match self {
+            PaddingKind::Hole => "hole",
+            PaddingKind::Tail => "tail padding",
+        }
+    }
+}
+
+/// What padding belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum PaddingOwner {
+    Block,
+    Structure,
+    /// A member made larger with `@size`.
+    Member,
+    /// An element of an array that is smaller than the array's stride.
+    Element,
+    /// A column of a matrix that is smaller than the matrix stride.
+    Column,
+    /// A row of a row-major matrix that is smaller than the matrix stride.
+    Row,
+}
+
+impl PaddingOwner {
+    /// The noun used in messages.
+    pub fn noun(self) -> &'static str {
+        match self {
+            PaddingOwner::Block => "block",
+            PaddingOwner::Structure => "structure",
+            PaddingOwner::Member => "member",
+            PaddingOwner::Element => "element",
+            PaddingOwner::Column => "column",
+            PaddingOwner::Row => "row",
+        }
+    }
+}
+
+/// Unused bytes of a block; those of an array's elements are one entry.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Padding {
+    /// Hole or tail padding.
+    pub kind: PaddingKind,
+    /// What it belongs to.
+    pub owner: PaddingOwner,
+    /// The owner as a pattern: empty for the block, `data[]`, `view`.
+    pub path: String,
+    /// The owner's structure, where it is one with a name.
+    pub structure: Option<Arc<str>>,
+    /// First byte, from the start of the owner.
+    pub offset: u64,
+    /// First byte of its first occurrence, from the start of the block.
+    pub block_offset: u64,
+    /// Bytes of one occurrence.
+    pub size: u64,
+    /// How often it occurs: once an element of every array around it, runtime-sized ones counted
+    /// with one element.
+    pub times: u64,
+    /// The member right before it.
+    pub after: Option<Arc<str>>,
+    /// The member right after it.
+    pub before: Option<Arc<str>>,
+}
+
+/// What a block's bytes go to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Bytes a buffer must hold, as [`BlockLayout::size`].
+    pub size: u64,
+    /// Bytes that hold components.
+    pub used: u64,
+    /// The rest.
+    pub padding: u64,
+}
+
+impl Summary {
+    /// The share of padding in percent; 0 of an empty block.
+    pub fn percent(&self) -> f64 {
+        if self.size == 0 { 0.0 } else { self.padding as f64 * 100.0 / self.size as f64 }
+    }
+}
+
+/// What a block's bytes go to; `None` for loose uniforms.
+pub fn summary(block: &BlockLayout) -> Option<Summary> {
+    let size = block.size?;
+    let used = block.used();
+    Some(Summary { size, used, padding: size.saturating_sub(used) })
+}
+
+/// Every hole and all tail padding of a block, owners before what they hold; empty for loose
+/// uniforms.
+pub fn padding(block: &BlockLayout) -> Vec<Padding> {
+    let mut found = Vec::new();
+    if let Some(size) = block.size {
+        let scope = Scope { path: String::new(), base: 0, times: 1, rules: block.rules };
+        let owner = (PaddingOwner::Block, None);
+        of_members(&block.members, size, owner, &scope, &mut found);
+    }
+    found
+}
+
+/// A place on the way down: the pattern, the first byte of its first element, how many there are.
+struct Scope {
+    path: String,
+    base: u64,
+    times: u64,
+    rules: Rules,
+}
+
+fn of_members(
+    members: &[MemberLayout],
+    whole: u64,
+    (owner, structure): (PaddingOwner, Option<Arc<str>>),
+    scope: &Scope,
+    found: &mut Vec<Padding>,
+) {
+    for gap in gaps(members, whole) {
+        found.push(Padding {
+            kind: gap.kind,
+            owner,
+            path: scope.path.clone(),
+            structure: structure.clone(),
+            offset: gap.offset,
+            block_offset: scope.base + gap.offset,
+            size: gap.size,
+            times: scope.times,
+            after: gap.after.map(|i| members[i].name.clone()),
+            before: gap.before.map(|i| members[i].name.clone()),
+        });
+    }
+    for member in members {
+        let Some(offset) = member.offset else { continue };
+        let mut path = scope.path.clone();
+        if !path.is_empty() {
+            path.push('.');
+        }
+        path.push_str(&member.name);
+        let mut inner = Scope { path, base: scope.base + offset, ..*scope };
+        for tail in tails(member, scope.rules) {
+            if tail.owner != PaddingOwner::Member && !inner.path.ends_with(']') {
+                member.dims.iter().for_each(|_| inner.path.push_str("[]"));
+            }
+            found.push(Padding {
+                kind: PaddingKind::Tail,
+                owner: tail.owner,
+                path: inner.path.clone(),
+                structure: None,
+                offset: tail.offset,
+                block_offset: inner.base + tail.offset,
+                size: tail.size,
+                times: scope.times * tail.times,
+                after: None,
+                before: None,
+            });
+        }
+        if let Type::Struct(s) = member.ty.innermost() {
+            if !inner.path.ends_with(']') {
+                member.dims.iter().for_each(|_| inner.path.push_str("[]"));
+            }
+            inner.times *= elements(&member.dims);
+            let name = (!s.name.is_empty()).then(|| s.name.clone());
+            let whole = element_size(member, scope.rules);
+            of_members(&member.members, whole, (PaddingOwner::Structure, name), &inner, found);
+        }
+    }
+}
+
+/// Unused bytes between or after the members of one block or structure; members by index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Gap {
+    pub kind: PaddingKind,
+    pub offset: u64,
+    pub size: u64,
+    pub after: Option<usize>,
+    pub before: Option<usize>,
+}
+
+/// The gaps of a block or structure of `whole` bytes, in order of their offsets.
+pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
+    let mut order: Vec<usize> = (0..members.len()).collect();
+    order.sort_by_key(|&i| members[i].offset);
+    let mut gaps = Vec::new();
+    let mut end = 0;
+    let mut after = None;
+    for i in order {
+        let Some(offset) = members[i].offset else { continue };
+        if offset > end {
+            let (kind, size) = (PaddingKind::Hole, offset - end);
+            gaps.push(Gap { kind, offset: end, size, after, before: Some(i) });
+        }
+        if offset + reach(&members[i]) >= end {
+            end = offset + reach(&members[i]);
+            after = Some(i);
+        }
+    }
+    if whole > end {
+        let (kind, size) = (PaddingKind::Tail, whole - end);
+        gaps.push(Gap { kind, offset: end, size, after, before: None });
+    }
+    gaps
+}
+
+/// The same gaps, each right after the member it follows in the text: explicit offsets may put
+/// members out of order.
+pub(crate) fn in_text_order(mut gaps: Vec<Gap>) -> Vec<Gap> {
+    gaps.sort_by_key(|gap| gap.after);
+    gaps
+}
+
+/// Tail padding a member has without being a structure: of itself, its elements, its columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Tail {
+    pub owner: PaddingOwner,
+    /// First byte of its first occurrence, from the start of the member.
+    pub offset: u64,
+    pub size: u64,
+    /// Occurrences in one whole member.
+    pub times: u64,
+}
+
+/// The [`Tail`]s of a member, the outer ones first.
+pub(crate) fn tails(member: &MemberLayout, rules: Rules) -> Vec<Tail> {
+    let mut tails = Vec::new();
+    let mut push = |owner, offset, end: u64, times| {
+        if end > offset && times > 0 {
+            tails.push(Tail { owner, offset, size: end - offset, times });
+        }
+    };
+    push(PaddingOwner::Member, own_size(member, rules), reach(member), 1);
+    let count = elements(&member.dims);
+    if let Some(&stride) = member.strides.last() {
+        // In scalar the padding after the last element is not the array's.
+        let unpadded = u64::from(rules == Rules::Scalar && member.size.is_some());
+        let times = count.saturating_sub(unpadded);
+        push(PaddingOwner::Element, element_size(member, rules), stride, times);
+    }
+    if let (Some(stride), Some(vector)) = (member.matrix_stride, matrix_vector(member)) {
+        let owner = if member.row_major { PaddingOwner::Row } else { PaddingOwner::Column };
+        push(owner, vector.bytes, stride, count * vector.count);
+    }
+    tails
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::*;
+    use crate::shape::{Member, Written};
+    use crate::source::Span;
+
+    fn rows(block: &BlockLayout) -> Vec<String> {
+        let text = |p: &Padding| {
+            format!(
+                "{} of {} `{}` {}+{} ×{}",
+                p.kind.words(),
+                p.owner.noun(),
+                p.path,
+                p.offset,
+                p.size,
+                p.times
+            )
+        };
+        padding(block).iter().map(text).collect()
+    }
+
+    #[test]
+    fn point_lights_have_a_hole_and_two_tails() {
+        let block = point_lights();
+        assert_eq!(
+            rows(&block),
+            [
+                "tail padding of block `` 6148+12 ×1",
+                "hole of structure `data[]` 12+4 ×128",
+                "tail padding of structure `data[]` 44+4 ×128",
+            ]
+        );
+        let found = padding(&block);
+        assert_eq!(found[1].after.as_deref(), Some("pos"));
+        assert_eq!(found[1].before.as_deref(), Some("color"));
+        assert_eq!(found[2].structure.as_deref(), Some("PointLight"));
+        let summary = summary(&block).unwrap();
+        assert_eq!((summary.size, summary.used, summary.padding), (6160, 5124, 1036));
+        assert!((summary.percent() - 16.818).abs() < 0.001);
+    }
+
+    #[test]
+    fn columns_rows_and_elements_have_tails_in_std140() {
+        assert_eq!(
+            rows(&padded(Rules::Std140)),
+            [
+                "hole of block `` 4+12 ×1",
+                // `v` ends at 28, the array of floats starts at the next 16.
+                "hole of block `` 28+4 ×1",
+                "tail padding of block `` 820+12 ×1",
+                "tail padding of element `w[]` 4+12 ×7",
+                "tail padding of structure `o[][]` 84+12 ×6",
+                "hole of structure `o[][].i[]` 4+4 ×12",
+                "tail padding of column `o[][].m` 12+4 ×18",
+                "tail padding of row `r[]` 8+8 ×6",
+            ]
+        );
+    }
+
+    #[test]
+    fn padding_and_components_make_up_the_block() {
+        for rules in [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl] {
+            for block in [padded(rules), doubles(rules), point_lights(), particles()] {
+                let total: u64 = padding(&block).iter().map(|p| p.size * p.times).sum();
+                assert_eq!(total + block.used(), block.size.unwrap(), "{rules:?} {}", block.name);
+            }
+        }
+    }
+
+    #[test]
+    fn size_attributes_make_tail_padding_of_the_member() {
+        let size = Some(Written { value: 32, span: Span::default() });
+        let b =
+            block(Rules::Wgsl, vec![Member { size, ..member("a", float()) }, member("b", float())]);
+        assert_eq!(rows(&b), ["tail padding of member `a` 4+28 ×1"]);
+    }
+
+    #[test]
+    fn an_explicit_offset_makes_a_hole_before_the_first_member() {
+        let offset = Some(Written { value: 16, span: Span::default() });
+        let b = block(Rules::Std430, vec![Member { offset, ..member("a", vec(4)) }]);
+        let found = padding(&b);
+        assert_eq!(rows(&b), ["hole of block `` 0+16 ×1"]);
+        assert_eq!(found[0].after, None);
+    }
+
+    #[test]
+    fn loose_uniforms_have_no_padding() {
+        assert!(padding(&loose()).is_empty());
+        assert!(summary(&loose()).is_none());
+    }
+}

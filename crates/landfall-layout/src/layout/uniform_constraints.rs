@@ -1,0 +1,137 @@
+//! WGSL §14.4.5: what uniform memory wants of a layout besides the rules.
+//!
+//! The layout stands either way: with the language feature
+//! `uniform_buffer_standard_layout` these constraints are gone. Without it the
+//! shader is refused, by naga 30 always.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashSet;
+
+use super::rules;
+use super::rules::{Alignment, Cursor, Placed};
+use crate::diagnostic::Diagnostic;
+use crate::shape::{AddressSpace, Block, Majorness, Member, Rules, Struct, Type};
+use crate::source::Language;
+
+/// The warnings about a block; none unless it is WGSL's and in uniform memory.
+pub fn check(block: &Block) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    let leaves = block.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+    let constrained = block.space == AddressSpace::Uniform && block.rules == Rules::Wgsl;
+    if constrained && leaves <= super::MOST_LEAVES {
+        check_members(&block.members, &mut FxHashSet::default(), &mut diagnostics);
+    }
+    diagnostics
+}
+
+fn check_members(
+    members: &[Member],
+    seen: &mut FxHashSet<*const Struct>,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let mut cursor = Cursor::new(Rules::Wgsl);
+    let mut previous: Option<(&Member, u64)> = None;
+    for member in members {
+        // What is too large is refused when it is laid out.
+        let Ok(placed) = cursor.place(member, Majorness::Column) else { return };
+        diagnostics.extend(check_offset(member, placed));
+        diagnostics.extend(check_strides(member));
+        if let Some((before, offset)) = previous {
+            diagnostics.extend(check_after_struct(before, offset, member, placed));
+        }
+        if let Type::Struct(inner) = member.ty.innermost() {
+            if seen.insert(Arc::as_ptr(inner)) {
+                check_members(&inner.members, seen, diagnostics);
+            }
+        }
+        previous = Some((member, placed.offset));
+    }
+}
+
+/// RequiredAlignOf: structures and arrays start at multiples of 16.
+fn check_offset(member: &Member, placed: Placed) -> Option<Diagnostic> {
+    let what = match member.ty {
+        Type::Struct(_) => "structure",
+        Type::Array { .. } => "array",
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_) => return None,
+    };
+    if Alignment::VEC4.divides(placed.offset) {
+        return None;
+    }
+    let message = format!(
+        "`{}` is at offset {}, but a {what} in uniform memory starts at a multiple of 16 bytes",
+        member.name, placed.offset
+    );
+    Some(warning(member, message).with_help(format!("write `@align(16) {}: …`", member.name)))
+}
+
+/// The stride of every array is a multiple of 16.
+fn check_strides(member: &Member) -> Option<Diagnostic> {
+    let mut ty = &member.ty;
+    while let Type::Array { element, .. } = ty {
+        let stride = rules::extent(ty, Rules::Wgsl, Majorness::Column).ok()?.array_stride?;
+        if !Alignment::VEC4.divides(stride) {
+            let message = format!(
+                "the elements of `{}` are {stride} bytes apart, but in uniform memory their \
+                 distance is a multiple of 16 bytes",
+                member.name
+            );
+            return Some(warning(member, message).with_help(stride_help(element)));
+        }
+        ty = element;
+    }
+    None
+}
+
+fn stride_help(element: &Type) -> String {
+    match element {
+        Type::Struct(s) => match s.members.first() {
+            Some(first) => format!("write `@align(16)` before `{}` of `{}`", first.name, s.name),
+            None => format!("give `{}` a size of 16 bytes", s.name),
+        },
+        Type::Scalar(_) | Type::Atomic(_) | Type::Vector { .. } => format!(
+            "pack them as `array<vec4<…>>`, or wrap each in `struct {{ @size(16) value: {} }}`",
+            element.spelled(Language::Wgsl)
+        ),
+        Type::Matrix { .. } | Type::Array { .. } | Type::Address(_) => format!(
+            "wrap each in `struct {{ @align(16) value: {} }}`",
+            element.spelled(Language::Wgsl)
+        ),
+    }
+}
+
+/// What follows a structure starts no earlier than its size rounded up to 16.
+fn check_after_struct(
+    before: &Member,
+    offset: u64,
+    member: &Member,
+    placed: Placed,
+) -> Option<Diagnostic> {
+    let Type::Struct(_) = before.ty else { return None };
+    let size = rules::extent(&before.ty, Rules::Wgsl, Majorness::Column).ok()?.size?;
+    let least = Alignment::VEC4.round_up(size).ok()?;
+    let distance = placed.offset.saturating_sub(offset);
+    if distance >= least {
+        return None;
+    }
+    let message = format!(
+        "`{}` is {distance} bytes after the start of `{}`, but in uniform memory what follows \
+         this structure starts at least {least} bytes after it",
+        member.name, before.name
+    );
+    Some(
+        warning(member, message)
+            .with_label(before.span, "the structure")
+            .with_help(format!("write `@align(16) {}: …`", member.name)),
+    )
+}
+
+fn warning(member: &Member, message: String) -> Diagnostic {
+    Diagnostic::warning("uniform-constraints", member.span, message)
+        .with_note("refused unless the language feature `uniform_buffer_standard_layout` is there")
+}

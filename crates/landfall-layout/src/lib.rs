@@ -1,0 +1,34 @@
+//! Byte layouts of GLSL and WGSL blocks: parsing, layout rules, locks, buffers and code generation.
+
+pub mod buffer;
+pub mod build_script;
+pub mod codegen;
+pub mod diagnostic;
+pub mod diff;
+pub mod error;
+#[cfg(test)]
+pub(crate) mod examples;
+pub mod file;
+pub mod finding;
+pub mod format;
+pub mod layout;
+pub mod lock;
+#[cfg(feature = "naga")]
+pub mod naga_compare;
+#[cfg(feature = "naga")]
+pub mod naga_front;
+pub mod port;
+mod shader;
+pub mod shape;
+pub mod source;
+pub mod syntax;
+pub mod text;
+
+pub use buffer::{Buffer, BufferError};
+pub use build_script::{Build, BuildError};
+pub use diagnostic::{Diagnostic, Label, Severity};
+pub use error::Error;
+pub use layout::{BlockLayout, Leaf, MemberLayout};
+pub use shader::{Options, ShaderLayout, layout};
+pub use shape::{AddressSpace, ArrayLen, Rules, Type};
+pub use source::{Files, Language, ReadOptions, Source, Span, Stage, Target};

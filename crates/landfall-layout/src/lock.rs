@@ -1,0 +1,145 @@
+//! Locks: the committed record of a shader's layout, one JSON file a shader.
+//!
+//! [`write()`] makes a lock's text from a [`ShaderLayout`], [`read()`] makes real
+//! [`BlockLayout`]s from a lock or from the output of `layout --format json`, and
+//! [`drift`] holds a shader against its lock. Files are the command's business.
+
+mod check;
+mod read;
+mod spelling;
+mod write;
+
+use std::ffi::OsString;
+use std::path::{Component, Path, PathBuf};
+
+use crate::ShaderLayout;
+use crate::layout::BlockLayout;
+use crate::source::{Files, Language, Stage};
+
+pub use read::{is_newer, read, read_all};
+pub use write::{renew, write};
+
+/// Version of the form of locks; a change that could break a reader raises it.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// JSON Schema (draft 2020-12) of a lock.
+pub const LOCK_SCHEMA: &str = include_str!("../schema/lock.json");
+
+/// A lock, or one shader of the output of `layout --format json`.
+#[derive(Clone, Debug)]
+pub struct Lock {
+    /// The shader's path, where the JSON says it: a lock does not, its own place does.
+    pub shader: Option<String>,
+    /// The language of the shader.
+    pub language: Language,
+    /// Its stage, where the JSON says it.
+    pub stage: Option<Stage>,
+    /// Its blocks; their spans are places in the JSON.
+    pub blocks: Vec<BlockLayout>,
+    /// Who has read the blocks back from a GPU and found them so.
+    pub verified: Vec<Verified>,
+    /// The JSON, so that spans can be turned into lines.
+    pub files: Files,
+}
+
+/// Somebody who found the layout to be true.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Verified {
+    /// What read the bytes: `gl`, `gpu`.
+    pub reader: String,
+    /// The adapter as its driver names it.
+    pub adapter: String,
+    /// The driver and its version.
+    pub driver: String,
+    /// The version of landfall.
+    pub version: String,
+}
+
+impl Lock {
+    /// The lock as a shader's layout, for everything that reads those.
+    pub fn layout(&self) -> ShaderLayout {
+        let path = self.files.get(0).map(|file| file.path.clone()).unwrap_or_default();
+        ShaderLayout {
+            path: self.shader.clone().unwrap_or(path),
+            language: self.language,
+            stage: self.stage,
+            blocks: self.blocks.clone(),
+            overrides: Vec::new(),
+            files: self.files.clone(),
+            diagnostics: Vec::new(),
+        }
+    }
+
+    /// The lock's text.
+    pub fn text(&self) -> String {
+        write::document(&self.blocks, self.language, &self.verified)
+    }
+
+    /// The lock's text with nothing verified.
+    pub fn bare(&self) -> String {
+        write::document(&self.blocks, self.language, &[])
+    }
+}
+
+/// Where the lock of a shader is: `layouts/lights/point.frag.json` for `lights/point.frag`.
+///
+/// A path that leads out of the tree keeps only the names in it.
+pub fn path_of(locks: &Path, shader: &Path) -> PathBuf {
+    let inside: PathBuf =
+        shader.components().filter(|part| matches!(part, Component::Normal(_))).collect();
+    let mut name: OsString = locks.join(inside).into_os_string();
+    name.push(".json");
+    PathBuf::from(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples;
+
+    #[test]
+    fn the_lock_of_a_shader_lies_in_the_same_tree() {
+        let at = |shader: &str| path_of(Path::new("layouts"), Path::new(shader));
+        assert_eq!(at("lights/point.frag"), Path::new("layouts/lights/point.frag.json"));
+        assert_eq!(at("./a.wgsl"), Path::new("layouts/a.wgsl.json"));
+        assert_eq!(at("../a.wgsl"), Path::new("layouts/a.wgsl.json"));
+        assert_eq!(at("/a.wgsl"), Path::new("layouts/a.wgsl.json"));
+    }
+
+    #[test]
+    fn a_lock_has_one_member_a_line_and_no_lines_of_the_shader() {
+        let shader =
+            examples::shader("a.frag", crate::Language::Glsl, vec![examples::point_lights()]);
+        assert_eq!(
+            write(&shader),
+            r#"{
+  "schema_version": 1,
+  "language": "glsl",
+  "blocks": [
+    {
+      "name": "PointLightBlock",
+      "instance": "u_point_light_array",
+      "address_space": "uniform",
+      "rules": "std140",
+      "rules_declared": true,
+      "size": 6160,
+      "data_size": 6148,
+      "align": 16,
+      "members": [
+        {"name": "data", "type": "PointLight[128]", "offset": 0, "size": 6144, "align": 16, "strides": [48], "members": [
+          {"name": "pos", "type": "vec3", "offset": 0, "size": 12, "align": 16},
+          {"name": "color", "type": "vec3", "offset": 16, "size": 12, "align": 16},
+          {"name": "intensity", "type": "float", "offset": 28, "size": 4, "align": 4},
+          {"name": "constant", "type": "float", "offset": 32, "size": 4, "align": 4},
+          {"name": "linear", "type": "float", "offset": 36, "size": 4, "align": 4},
+          {"name": "quadratic", "type": "float", "offset": 40, "size": 4, "align": 4}
+        ]},
+        {"name": "actually_used_count", "type": "int", "offset": 6144, "size": 4, "align": 4}
+      ]
+    }
+  ]
+}
+"#
+        );
+    }
+}

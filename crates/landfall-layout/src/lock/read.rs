@@ -1,0 +1,101 @@
+//! From JSON to real layouts: a lock, or the output of `layout --format json`.
+//!
+//! [`super::json`] gives values with their places, `place` says what is wrong with one, and
+//! `blocks` reads the layout of one shader.
+
+mod blocks;
+mod place;
+
+use std::sync::Arc;
+
+use super::{Lock, SCHEMA_VERSION};
+use crate::error::Error;
+use crate::source::Files;
+use crate::text::json;
+use crate::text::json::{Node, Value};
+pub(super) use blocks::Within;
+use blocks::{Reader, Shape};
+use place::Object;
+pub(super) use place::Place;
+
+/// Reads a lock, or the layout of one shader as `layout --format json` prints it.
+///
+/// # Errors
+/// The text is cut short, holds merge-conflict markers, is no JSON, is of a newer schema, has
+/// something else where a value of a certain kind must be, or contradicts itself; each is said
+/// with its line and what to do about it.
+pub fn read(path: &str, text: &str) -> Result<Lock, Error> {
+    let mut all = read_all(path, text)?;
+    match (all.pop(), all.len()) {
+        (Some(lock), 0) => Ok(lock),
+        (None, _) => Err(Error::new(path, "holds the layout of no shader")
+            .with_help("name a shader when writing it: `landfall layout SHADER --format json`")),
+        (Some(_), more) => {
+            let message = format!("holds the layouts of {} shaders, not of one", more + 1);
+            Err(Error::new(path, message)
+                .with_help("write one file a shader with `landfall lock`, or `layout --out DIR`"))
+        }
+    }
+}
+
+/// Reads a lock, or the layouts of all shaders in what `layout --format json` prints.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let place = Place { path, text };
+    if let Some((line, marker)) = conflict(text) {
+        let message = format!("has a merge conflict at line {line}: `{marker}`");
+        return Err(Error::new(path, message).with_help(
+            "settle the shaders first, then write the lock again with `landfall lock`",
+        ));
+    }
+    if text.trim().is_empty() {
+        return Err(Error::new(path, "is empty, not a lock")
+            .with_help("write it again with `landfall lock`"));
+    }
+    let root = json::parse(text).map_err(|fault| place.fault(&fault))?;
+    let mut files = Files::default();
+    files.add(path, Arc::from(text));
+    let root = place.object(&root, "the whole text")?;
+    place.version(&root)?;
+    let reader = |object: Object<'_>, shape: Shape| {
+        Reader { place, shape, files: files.clone() }.lock(object)
+    };
+    if root.get("blocks").is_some() {
+        return Ok(vec![reader(root, Shape::Lock)?]);
+    }
+    let Some(shaders) = root.get("shaders") else {
+        return Err(Error::new(path, "is no lock: it has neither `blocks` nor `shaders`")
+            .with_help("write it again with `landfall lock`"));
+    };
+    root.known(&place, &["schema_version", "tool", "shaders"])?;
+    place
+        .list(shaders, "shaders")?
+        .iter()
+        .map(|shader| reader(place.object(shader, "a shader")?, Shape::Layout))
+        .collect()
+}
+
+/// Whether a text was written by a newer landfall than this one, so that it must not be lost.
+pub fn is_newer(text: &str) -> bool {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let Ok(Node { value: Value::Object(entries), .. }) = json::parse(text) else { return false };
+    entries.iter().any(|(key, _, node)| match &node.value {
+        Value::Number(written) if key == "schema_version" => {
+            written.parse::<u64>().is_ok_and(|version| version > u64::from(SCHEMA_VERSION))
+        }
+        _ => false,
+    })
+}
+
+/// The first line that git left in a file it could not merge.
+fn conflict(text: &str) -> Option<(usize, &str)> {
+    let lines = text.lines().enumerate();
+    let marks = |line: &str| {
+        ["<<<<<<<", ">>>>>>>", "|||||||"].iter().any(|mark| line.starts_with(mark))
+            || line == "======="
+    };
+    lines.map(|(i, line)| (i + 1, line.trim_end())).find(|(_, line)| marks(line))
+}

@@ -1,0 +1,420 @@
+//! The layout of one shader: its blocks, their members and leaves.
+//!
+//! Goes by [`place`](super::place); [`spelling`](crate::lock::spelling) gives types, and
+//! [`check`](crate::lock::check) holds what was read against itself.
+
+use std::sync::Arc;
+
+use super::place::{Object, Place, WRITE_AGAIN};
+use crate::error::Error;
+use crate::layout;
+use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
+use crate::lock::{Lock, Verified, check, spelling};
+use crate::shape::{AddressSpace, ArrayLen, Majorness, Member, Rules, Struct, Type};
+use crate::source::{Files, Language, Span, Stage};
+use crate::text::json::{Node, Value};
+
+/// Which of the two forms is read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    Lock,
+    Layout,
+}
+
+pub(super) struct Reader<'t> {
+    pub place: Place<'t>,
+    pub shape: Shape,
+    pub files: Files,
+}
+
+impl Reader<'_> {
+    pub fn lock(&self, object: Object<'_>) -> Result<Lock, Error> {
+        let place = &self.place;
+        object.known(
+            place,
+            match self.shape {
+                Shape::Lock => &["schema_version", "language", "blocks", "verified"],
+                Shape::Layout => &["path", "language", "stage", "includes", "overrides", "blocks"],
+            },
+        )?;
+        let language =
+            self.word(object, "language", &[Language::Glsl, Language::Wgsl], |l| l.name())?;
+        let stage = match object.get("stage") {
+            Some(node) => Stage::from_name(place.text(node, "stage")?),
+            None => None,
+        };
+        let shader = object.get("path").map(|node| place.text(node, "path")).transpose()?;
+        let blocks = self.required(object, "blocks")?;
+        let blocks = place.list(blocks, "blocks")?.iter();
+        let blocks: Vec<BlockLayout> =
+            blocks.map(|node| self.block(node, language)).collect::<Result<_, _>>()?;
+        check::blocks(place, &blocks)?;
+        let verified = match object.get("verified") {
+            Some(node) => {
+                let list = place.list(node, "verified")?;
+                list.iter().map(|one| self.verified(one)).collect::<Result<_, _>>()?
+            }
+            None => Vec::new(),
+        };
+        let files = self.files.clone();
+        Ok(Lock { shader: shader.map(String::from), language, stage, blocks, verified, files })
+    }
+
+    fn required<'n>(&self, object: Object<'n>, key: &str) -> Result<&'n Node, Error> {
+        object.get(key).ok_or_else(|| {
+            self.place.error(object.at, &format!("lacks `{key}`")).with_help(WRITE_AGAIN)
+        })
+    }
+
+    /// One of a few words.
+    fn word<T: Copy>(
+        &self,
+        object: Object<'_>,
+        key: &str,
+        all: &[T],
+        name: impl Fn(T) -> &'static str,
+    ) -> Result<T, Error> {
+        let node = self.required(object, key)?;
+        let text = self.place.text(node, key)?;
+        all.iter().copied().find(|one| name(*one) == text).ok_or_else(|| {
+            let names: Vec<&str> = all.iter().map(|one| name(*one)).collect();
+            let message = format!("has `{text}` where `{key}` must be one of {}", names.join(", "));
+            self.place.error(node.start, &message).with_help(WRITE_AGAIN)
+        })
+    }
+
+    fn optional(&self, object: Object<'_>, key: &str) -> Result<Option<u64>, Error> {
+        object.get(key).map(|node| self.place.number(node, key)).transpose()
+    }
+
+    /// A set or binding.
+    fn slot(&self, object: Object<'_>, key: &str) -> Result<Option<u32>, Error> {
+        // No number that `optional` lets through is above 2^32.
+        Ok(self.optional(object, key)?.map(|n| u32::try_from(n).unwrap_or(u32::MAX)))
+    }
+
+    fn numbers(&self, object: Object<'_>, key: &str) -> Result<Vec<u64>, Error> {
+        let Some(node) = object.get(key) else { return Ok(Vec::new()) };
+        self.place.list(node, key)?.iter().map(|item| self.place.number(item, key)).collect()
+    }
+
+    fn block(&self, node: &Node, language: Language) -> Result<BlockLayout, Error> {
+        let place = &self.place;
+        let object = place.object(node, "a block")?;
+        object.known(
+            place,
+            &[
+                "name",
+                "instance",
+                "address_space",
+                "rules",
+                "rules_declared",
+                "group",
+                "binding",
+                "count",
+                "size",
+                "data_size",
+                "align",
+                "members",
+                "span",
+                "opaque",
+                "leaves",
+                "offsets",
+            ],
+        )?;
+        let name_node = self.required(object, "name")?;
+        let spaces = [
+            AddressSpace::Uniform,
+            AddressSpace::Storage,
+            AddressSpace::PushConstant,
+            AddressSpace::BufferReference,
+            AddressSpace::ShaderRecord,
+            AddressSpace::Default,
+        ];
+        let space = self.word(object, "address_space", &spaces, AddressSpace::name)?;
+        let loose = space == AddressSpace::Default;
+        let all = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl];
+        let declared = object.get("rules_declared");
+        let declared = declared.map(|node| place.truth(node, "rules_declared")).transpose()?;
+        let members = place.list(self.required(object, "members")?, "members")?;
+        let leaf_nodes = match object.get("leaves") {
+            Some(node) => Some(place.list(node, "leaves")?),
+            None => None,
+        };
+        let leaf_paths = leaf_nodes.map(|nodes| self.leaf_paths(nodes)).transpose()?;
+        let within = Within { language, loose, leaves: leaf_paths.as_deref() };
+        let members = self.members(members, &within, "")?;
+        let count = match (object.get("count"), self.shape) {
+            (Some(node), shape) => match place.number(node, "count")? {
+                1 if shape == Shape::Layout => Vec::new(),
+                n => vec![ArrayLen::Fixed(u32::try_from(n).unwrap_or(u32::MAX))],
+            },
+            // Null is a number that the text does not say; without the key there is one buffer.
+            (None, _) if object.entries.iter().any(|(key, _, _)| key == "count") => {
+                vec![ArrayLen::Runtime]
+            }
+            (None, _) => Vec::new(),
+        };
+        let opaque = match object.get("opaque") {
+            Some(node) => place.list(node, "opaque")?,
+            None => &[],
+        };
+        let opaque: Vec<&str> =
+            opaque.iter().map(|node| place.text(node, "opaque")).collect::<Result<_, _>>()?;
+        if members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves())) > MOST_LEAVES {
+            let message =
+                format!("has more than {MOST_LEAVES} members at the ends of a block's tree");
+            return Err(place.error(object.at, &message).with_help(WRITE_AGAIN));
+        }
+        let mut block = BlockLayout {
+            name: Arc::from(place.text(name_node, "name")?),
+            instance: object
+                .get("instance")
+                .map(|n| place.text(n, "instance"))
+                .transpose()?
+                .map(Arc::from),
+            space,
+            rules: if loose {
+                Rules::Std140
+            } else {
+                self.word(object, "rules", &all, Rules::name)?
+            },
+            rules_declared: declared.unwrap_or(!loose),
+            group: self.slot(object, "group")?,
+            binding: self.slot(object, "binding")?,
+            count,
+            size: self.optional(object, "size")?,
+            data_size: self.optional(object, "data_size")?,
+            align: self.optional(object, "align")?,
+            members,
+            leaves: Vec::new(),
+            opaque: opaque.into_iter().filter(|path| !path.contains('.')).map(Arc::from).collect(),
+            span: span(name_node),
+            comment: Vec::new(),
+        };
+        check::block(place, &block)?;
+        block.leaves = layout::leaves_of(&block.members);
+        if let Some(nodes) = leaf_nodes {
+            self.leaves(nodes, &block, language)?;
+        }
+        Ok(block)
+    }
+
+    fn leaf_paths<'n>(&self, nodes: &'n [Node]) -> Result<Vec<&'n str>, Error> {
+        let path = |node: &'n Node| {
+            let object = self.place.object(node, "a leaf")?;
+            self.place.text(self.required(object, "path")?, "path")
+        };
+        nodes.iter().map(path).collect()
+    }
+
+    fn members(
+        &self,
+        nodes: &[Node],
+        within: &Within<'_>,
+        parent: &str,
+    ) -> Result<Vec<MemberLayout>, Error> {
+        nodes.iter().map(|node| self.member(node, within, parent)).collect()
+    }
+
+    fn member(
+        &self,
+        node: &Node,
+        within: &Within<'_>,
+        parent: &str,
+    ) -> Result<MemberLayout, Error> {
+        let place = &self.place;
+        let object = place.object(node, "a member")?;
+        object.known(
+            place,
+            &[
+                "name",
+                "type",
+                "offset",
+                "size",
+                "align",
+                "strides",
+                "matrix_stride",
+                "row_major",
+                "members",
+                "array_stride",
+                "dims",
+                "span",
+            ],
+        )?;
+        let name_node = self.required(object, "name")?;
+        let name: Arc<str> = Arc::from(place.text(name_node, "name")?);
+        let type_node = self.required(object, "type")?;
+        let spelled = place.text(type_node, "type")?;
+        let unknown = |at: &Node| {
+            let message = format!("gives `{name}` the unknown type `{spelled}`");
+            place.error(at.start, &message).with_help(WRITE_AGAIN)
+        };
+        let spelling =
+            spelling::take_apart(spelled, within.language).ok_or_else(|| unknown(type_node))?;
+        let path = match parent {
+            "" => format!("{name}{}", "[]".repeat(spelling.dims.len())),
+            _ => format!("{parent}.{name}{}", "[]".repeat(spelling.dims.len())),
+        };
+        let row_major = object.get("row_major").map(|n| place.truth(n, "row_major")).transpose()?;
+        let offset = self.optional(object, "offset")?;
+        let size = self.optional(object, "size")?;
+        let members = match object.get("members") {
+            Some(node) => Some(self.members(place.list(node, "members")?, within, &path)?),
+            None => None,
+        };
+        let base = match (members.as_deref(), spelling::plain(&spelling.base, within.language)) {
+            (Some(members), _) => structure(&spelling.base, members, span(name_node)),
+            (None, Some(plain)) => plain,
+            // An output of `layout` has no word for a structure of samplers only but its leaves.
+            (None, None) if within.leaves.is_some_and(|all| !all.contains(&path.as_str())) => {
+                structure(&spelling.base, &[], span(name_node))
+            }
+            // A buffer reference goes by its own name, and is an address of 8 bytes.
+            (None, None) if !spelling.dims.is_empty() || within.loose || size == Some(8) => {
+                Type::Address(Arc::from(spelling.base.as_str()))
+            }
+            (None, None) => return Err(unknown(type_node)),
+        };
+        let member = MemberLayout {
+            name,
+            ty: spelling::array_of(base, &spelling.dims),
+            offset,
+            size,
+            align: self.optional(object, "align")?,
+            dims: spelling.dims,
+            strides: self.numbers(object, "strides")?,
+            matrix_stride: self.optional(object, "matrix_stride")?,
+            row_major: row_major.unwrap_or(false),
+            members: members.unwrap_or_default(),
+            span: span(name_node),
+            comment: Vec::new(),
+        };
+        check::member(place, &member, within)?;
+        Ok(member)
+    }
+
+    /// Holds the leaves that an output of `layout` lists against those its members make.
+    fn leaves(&self, nodes: &[Node], block: &BlockLayout, language: Language) -> Result<(), Error> {
+        let place = &self.place;
+        for (i, node) in nodes.iter().enumerate() {
+            let object = place.object(node, "a leaf")?;
+            object.known(
+                place,
+                &[
+                    "path",
+                    "type",
+                    "offset",
+                    "dims",
+                    "strides",
+                    "size",
+                    "matrix_stride",
+                    "row_major",
+                    "naga_offset",
+                    "naga_dims",
+                    "naga_strides",
+                ],
+            )?;
+            let path_node = self.required(object, "path")?;
+            let path = place.text(path_node, "path")?;
+            let refuse =
+                |message: String| Err(place.contradiction(span(path_node).start, &message));
+            // Leaves stand in the order of the members, so only a mismatch is worth the search.
+            let Some(leaf) = block.leaves.get(i).filter(|leaf| leaf.path == path) else {
+                return refuse(match block.leaves.iter().any(|leaf| leaf.path == path) {
+                    true if listed(&nodes[..i], path) => {
+                        format!("the leaf `{path}` is listed twice")
+                    }
+                    true => format!("the leaf `{path}` is not in the order of the members"),
+                    false => format!("no member of `{}` is the leaf `{path}`", block.name),
+                });
+            };
+            let numbers = [
+                ("offset", self.optional(object, "offset")?, leaf.offset),
+                ("size", self.optional(object, "size")?, leaf.size),
+                ("matrix_stride", self.optional(object, "matrix_stride")?, leaf.matrix_stride),
+            ];
+            for (key, said, made) in numbers {
+                if said != made {
+                    let shown = |n: Option<u64>| n.map_or("null".to_string(), |n| n.to_string());
+                    return refuse(format!(
+                        "the leaf `{path}` has `{key}` {}, but its member puts it at {}",
+                        shown(said),
+                        shown(made)
+                    ));
+                }
+            }
+            let ty = place.text(self.required(object, "type")?, "type")?;
+            let made = leaf.ty.spelled(language).to_string();
+            if ty != made {
+                return refuse(format!("the leaf `{path}` is a `{ty}`, its member a `{made}`"));
+            }
+            let strides = self.numbers(object, "strides")?;
+            if strides != leaf.strides {
+                return refuse(format!(
+                    "the leaf `{path}` has the strides {strides:?}, its members {:?}",
+                    leaf.strides
+                ));
+            }
+        }
+        match block.leaves.get(nodes.len()) {
+            None => Ok(()),
+            Some(leaf) => Err(place.contradiction(
+                block.span.start,
+                &format!("the leaf `{}` of `{}` is not listed", leaf.path, block.name),
+            )),
+        }
+    }
+
+    fn verified(&self, node: &Node) -> Result<Verified, Error> {
+        let object = self.place.object(node, "an entry of `verified`")?;
+        object.known(&self.place, &["reader", "adapter", "driver", "version"])?;
+        let text = |key: &str| {
+            let node = self.required(object, key)?;
+            self.place.text(node, key).map(String::from)
+        };
+        Ok(Verified {
+            reader: text("reader")?,
+            adapter: text("adapter")?,
+            driver: text("driver")?,
+            version: text("version")?,
+        })
+    }
+}
+
+/// What is known of a block while its members are read.
+pub(in crate::lock) struct Within<'n> {
+    pub language: Language,
+    /// Loose uniforms have names and types, and no numbers.
+    pub loose: bool,
+    /// The paths of its leaves, where the JSON lists them.
+    leaves: Option<&'n [&'n str]>,
+}
+
+/// Whether one of those leaves has that path.
+fn listed(nodes: &[Node], path: &str) -> bool {
+    let says = |node: &Node| match &node.value {
+        Value::Object(entries) => entries.iter().any(|(key, _, node)| {
+            key == "path" && matches!(&node.value, Value::Text(text) if text == path)
+        }),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::Text(_) | Value::List(_) => false,
+    };
+    nodes.iter().any(says)
+}
+
+fn span(node: &Node) -> Span {
+    let at = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    Span { file: 0, start: at(node.start), end: at(node.end) }
+}
+
+/// A structure whose members are those that were laid out.
+fn structure(name: &str, members: &[MemberLayout], span: Span) -> Type {
+    // GLSL's `struct { … }` is spelled without a name of its own.
+    let name = if name == "struct" { "" } else { name };
+    let declared = |member: &MemberLayout| Member {
+        majorness: member.row_major.then_some(Majorness::Row),
+        ..Member::plain(member.name.clone(), member.ty.clone(), member.span)
+    };
+    let members = members.iter().map(declared).collect();
+    Type::Struct(Arc::new(Struct::new(Arc::from(name), members, Vec::new(), span)))
+}

@@ -1,0 +1,252 @@
+//! naga's answer beside ours: where a wgpu program would read each leaf.
+//!
+//! naga's numbers are never taken: they are noted on a leaf where they differ.
+//! Its faults as of 30.0.1 are held by the tests below, which fail once one is mended.
+
+pub mod used;
+
+use naga::{AddressSpace as Space, ArraySize, GlobalVariable, Handle, Module, TypeInner};
+use rustc_hash::FxHashMap;
+
+use crate::layout::{BlockLayout, Leaf, MOST_LEAVES, NagaPlace};
+use crate::naga_front::{glsl_module, wgsl_module};
+use crate::shape::{AddressSpace, ArrayLen};
+use crate::source::{Language, Source, Span};
+use crate::syntax::wgsl;
+
+/// Notes on every leaf what naga says of it, where it has an answer that differs.
+/// `bodies` are the insides of functions in the text: naga need not understand them.
+pub(crate) fn ask(source: &Source, bodies: &[Span], blocks: &mut [BlockLayout]) {
+    if blocks.is_empty() {
+        return;
+    }
+    let module = match source.language {
+        // A whole function goes: what it takes and returns does not concern any block.
+        Language::Wgsl => wgsl_module(&blanked(&source.text, &wgsl::functions(&source.text))),
+        Language::Glsl => glsl_module(&blanked(&source.text, bodies), source.stage),
+    };
+    let Some(module) = module else { return };
+    for block in blocks {
+        let Some(variable) = variable_of(&module, block) else { continue };
+        let ty = module.global_variables[variable].ty;
+        let Some(places) = places(&module, ty, block, source.language) else { continue };
+        for leaf in &mut block.leaves {
+            leaf.naga = places.get(&leaf.path).filter(|place| differs(leaf, place)).cloned();
+        }
+    }
+}
+
+/// The text with spaces for everything in those spans but line breaks.
+fn blanked(text: &str, spans: &[Span]) -> String {
+    let mut result = String::with_capacity(text.len());
+    let mut at = 0;
+    for span in spans.iter().filter(|span| span.file == 0) {
+        let (start, end) = (span.start as usize, span.end as usize);
+        let (Some(before), Some(inside)) = (text.get(at..start), text.get(start..end)) else {
+            continue;
+        };
+        result.push_str(before);
+        result.extend(inside.bytes().map(|b| if b == b'\n' { '\n' } else { ' ' }));
+        at = end;
+    }
+    result.push_str(&text[at..]);
+    result
+}
+
+/// The variable of a block: by its own name, by its type's, or by where it is bound.
+pub fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<GlobalVariable>> {
+    let space = |space: &Space| match block.space {
+        AddressSpace::Uniform => matches!(space, Space::Uniform),
+        AddressSpace::Storage => matches!(space, Space::Storage { .. }),
+        AddressSpace::PushConstant => matches!(space, Space::Immediate),
+        AddressSpace::BufferReference | AddressSpace::ShaderRecord | AddressSpace::Default => false,
+    };
+    let variable = block.instance.as_deref().unwrap_or(&block.name);
+    let candidates = || module.global_variables.iter().filter(|(_, v)| space(&v.space));
+    let named = candidates().find(|(_, v)| v.name.as_deref() == Some(variable));
+    let typed =
+        || candidates().find(|(_, v)| module.types[v.ty].name.as_deref() == Some(&*block.name));
+    let bound = || {
+        let (group, binding) = (block.group.unwrap_or(0), block.binding?);
+        candidates()
+            .find(|(_, v)| v.binding.is_some_and(|at| (at.group, at.binding) == (group, binding)))
+    };
+    named.or_else(typed).or_else(bound).map(|(variable, _)| variable)
+}
+
+type Places = FxHashMap<String, NagaPlace>;
+
+/// Where naga puts the leaves of a variable; `None` where it waits for an override.
+fn places(
+    module: &Module,
+    variable: Handle<naga::Type>,
+    block: &BlockLayout,
+    language: Language,
+) -> Option<Places> {
+    let mut ty = variable;
+    // GLSL's array of blocks is one buffer to naga; WGSL's `binding_array` is none.
+    for _ in &block.count {
+        match module.types[ty].inner {
+            TypeInner::Array { base, .. } | TypeInner::BindingArray { base, .. } => ty = base,
+            _ => return None,
+        }
+    }
+    let mut places = Places::default();
+    let start = NagaPlace { offset: 0, dims: Vec::new(), strides: Vec::new() };
+    let path = match (language, &block.instance) {
+        // A store type that is no structure: its one member is named as the variable.
+        (Language::Wgsl, None) => block.name.to_string(),
+        (Language::Wgsl, Some(_)) | (Language::Glsl, _) => String::new(),
+    };
+    walk(module, ty, path, start, &mut places)?;
+    Some(places)
+}
+
+fn walk(
+    module: &Module,
+    ty: Handle<naga::Type>,
+    mut path: String,
+    mut at: NagaPlace,
+    places: &mut Places,
+) -> Option<()> {
+    match &module.types[ty].inner {
+        TypeInner::Struct { members, .. } => {
+            for member in members {
+                let dot = if path.is_empty() { "" } else { "." };
+                let path = format!("{path}{dot}{}", member.name.as_deref().unwrap_or(""));
+                let at = NagaPlace { offset: at.offset + u64::from(member.offset), ..at.clone() };
+                walk(module, member.ty, path, at, places)?;
+            }
+        }
+        TypeInner::Array { base, size, stride } => {
+            path.push_str("[]");
+            at.dims.push(match size {
+                ArraySize::Constant(length) => Some(u64::from(length.get())),
+                ArraySize::Dynamic => None,
+                // Its length, and every offset after it, are known only to a pipeline.
+                ArraySize::Pending(_) => return None,
+            });
+            at.strides.push(u64::from(*stride));
+            walk(module, *base, path, at, places)?;
+        }
+        _ => {
+            if places.len() as u64 >= MOST_LEAVES {
+                return None;
+            }
+            places.insert(path, at);
+        }
+    }
+    Some(())
+}
+
+fn differs(leaf: &Leaf, place: &NagaPlace) -> bool {
+    let dims = leaf.dims.iter().map(|len| match len {
+        ArrayLen::Fixed(length) => Some(u64::from(*length)),
+        ArrayLen::Runtime | ArrayLen::Override(_) => None,
+    });
+    leaf.offset.is_some_and(|offset| {
+        offset != place.offset || leaf.strides != place.strides || !dims.eq(place.dims.clone())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::layout::lay_out;
+    use crate::shape::{Block, Majorness, Member, Rules, Scalar, Struct, Type};
+
+    fn member(name: &str, ty: Type) -> Member {
+        Member::plain(Arc::from(name), ty, Span::default())
+    }
+
+    fn float() -> Type {
+        Type::Scalar(Scalar::F32)
+    }
+
+    fn array(element: Type, length: u32) -> Type {
+        Type::Array { element: Arc::new(element), len: ArrayLen::Fixed(length) }
+    }
+
+    /// What naga says of block `B` in a GLSL text, where it differs from those members.
+    fn asked(text: &str, space: AddressSpace, rules: Rules, members: Vec<Member>) -> Vec<Leaf> {
+        let block = Block {
+            name: Arc::from("B"),
+            instance: None,
+            space,
+            rules,
+            rules_declared: true,
+            group: None,
+            binding: None,
+            count: Vec::new(),
+            majorness: Majorness::Column,
+            members,
+            opaque: Vec::new(),
+            offset_order: crate::shape::OffsetOrder::Ascending,
+            span: Span::default(),
+            comment: Vec::new(),
+        };
+        let mut blocks = [lay_out(&block).expect("the block has a layout")];
+        let body = text.find("broken").expect("a body") as u32;
+        let body = Span { file: 0, start: body, end: body + 6 };
+        ask(&Source::new("a.frag", format!("#version 450\n{text}").as_str()), &[], &mut blocks);
+        assert!(blocks[0].leaves.iter().all(|leaf| leaf.naga.is_none()), "a body naga refuses");
+        ask(&Source::new("a.frag", text), &[body], &mut blocks);
+        let [block] = blocks;
+        block.leaves.into_iter().filter(|leaf| leaf.naga.is_some()).collect()
+    }
+
+    /// Seen in naga 30.0.1; when this fails, take it out of the list of faults.
+    #[test]
+    fn naga_swaps_the_dimensions_of_arrays_of_arrays() {
+        let differing = asked(
+            "layout(std140, binding = 0) uniform B { float f[2][3]; }; void main() { broken }",
+            AddressSpace::Uniform,
+            Rules::Std140,
+            vec![member("f", array(array(float(), 3), 2))],
+        );
+        assert_eq!((differing.len(), &differing[0].strides[..]), (1, &[48, 16][..]));
+        let naga = differing[0].naga.as_ref().expect("it differs");
+        assert_eq!((&naga.dims[..], &naga.strides[..]), (&[Some(3), Some(2)][..], &[32, 16][..]));
+    }
+
+    /// Seen in naga 30.0.1; when this fails, take it out of the list of faults.
+    #[test]
+    fn naga_does_not_round_small_structures_in_std140() {
+        let inner =
+            Struct::new(Arc::from("S"), vec![member("a", float())], Vec::new(), Span::default());
+        let differing = asked(
+            "struct S { float a; };
+             layout(std140, binding = 0) uniform B { float x; S s; float y; };
+             void main() { broken }",
+            AddressSpace::Uniform,
+            Rules::Std140,
+            vec![
+                member("x", float()),
+                member("s", Type::Struct(Arc::new(inner))),
+                member("y", float()),
+            ],
+        );
+        let numbers: Vec<_> = differing
+            .iter()
+            .map(|leaf| (leaf.offset, leaf.naga.as_ref().map(|place| place.offset)))
+            .collect();
+        assert_eq!(numbers, [(Some(16), Some(4)), (Some(32), Some(8))]);
+    }
+
+    /// Seen in naga 30.0.1; when this fails, take it out of the list of faults.
+    #[test]
+    fn naga_lays_push_constants_out_in_std140() {
+        let vector = Type::Vector { scalar: Scalar::F32, rows: 2 };
+        let differing = asked(
+            "layout(push_constant) uniform B { vec2 g; float a[2]; }; void main() { broken }",
+            AddressSpace::PushConstant,
+            Rules::Std430,
+            vec![member("g", vector), member("a", array(float(), 2))],
+        );
+        assert_eq!((differing[0].offset, &differing[0].strides[..]), (Some(8), &[4][..]));
+        let naga = differing[0].naga.as_ref().expect("it differs");
+        assert_eq!((naga.offset, &naga.strides[..]), (16, &[16][..]));
+    }
+}

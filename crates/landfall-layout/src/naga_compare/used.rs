@@ -1,0 +1,176 @@
+//! Which members of each block the functions of a shader touch, by naga's module.
+//!
+//! Only a text that naga takes whole has an answer. Every doubt counts as use:
+//! a structure copied or passed as a whole uses all of its members.
+
+use naga::valid::{Capabilities, FunctionInfo, ValidationFlags, Validator};
+use naga::{Expression, Function, GlobalVariable, Handle, Module, TypeInner};
+use rustc_hash::FxHashSet;
+
+use super::variable_of;
+use crate::layout::BlockLayout;
+use crate::naga_front::{glsl_whole, guarded_validation, wgsl_module};
+use crate::source::{Language, ReadOptions, Source};
+
+/// What functions touch of one block: paths as leaves spell them, each with all below it.
+pub type Used = FxHashSet<String>;
+
+/// What functions touch of each block, in the order of `blocks`; `None` for a block that is no
+/// variable of naga's module. `None` for all where naga refuses the text, or where the text has
+/// no entry point and others may call what is in it.
+pub fn used(
+    source: &Source,
+    options: &ReadOptions,
+    blocks: &[BlockLayout],
+) -> Option<Vec<Option<Used>>> {
+    let module = match source.language {
+        Language::Wgsl => wgsl_module(&source.text)?,
+        Language::Glsl => glsl_whole(&source.text, source.stage, &options.defines)?,
+    };
+    if module.entry_points.is_empty() {
+        return None;
+    }
+    // Layout faults do not matter here; no flag asks for them.
+    let info = guarded_validation(|| {
+        Validator::new(ValidationFlags::empty(), Capabilities::all()).validate(&module).ok()
+    })?;
+    let mut touched: Vec<(Handle<GlobalVariable>, Vec<Step>)> = Vec::new();
+    let language = source.language;
+    for (handle, function) in module.functions.iter() {
+        touches(&module, function, &info[handle], language, &mut touched);
+    }
+    for (index, entry) in module.entry_points.iter().enumerate() {
+        touches(&module, &entry.function, info.get_entry_point(index), language, &mut touched);
+    }
+    let of_block = |block: &BlockLayout| {
+        let variable = variable_of(&module, block)?;
+        let own = touched.iter().filter(|(other, _)| *other == variable);
+        Some(own.map(|(_, steps)| spelled(&module, variable, steps, block, source)).collect())
+    };
+    Some(blocks.iter().map(of_block).collect())
+}
+
+/// One step from a variable to the place that is touched.
+#[derive(Clone, Copy)]
+enum Step {
+    /// A member, or an element that is no array's.
+    Index(u32),
+    /// An element that is known only when the shader runs.
+    Any,
+}
+
+/// The places a function touches: expressions that something other than the next step refers to.
+fn touches(
+    module: &Module,
+    function: &Function,
+    info: &FunctionInfo,
+    language: Language,
+    touched: &mut Vec<(Handle<GlobalVariable>, Vec<Step>)>,
+) {
+    // How often an expression is only the base of a further step.
+    let mut steps = vec![0usize; function.expressions.len()];
+    for (_, expression) in function.expressions.iter() {
+        match expression {
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
+                steps[base.index()] += 1;
+            }
+            // Of a block with an instance naga's GLSL loads the whole, then takes a member of it.
+            Expression::Load { pointer } => steps[pointer.index()] += 1,
+            _ => {}
+        }
+    }
+    for (handle, _) in function.expressions.iter() {
+        let further = info[handle].ref_count > steps[handle.index()];
+        // `let x = u.a;`, `_ = u.a;` read `a`, though nothing reads `x`.
+        let last = info[handle].ref_count == 0;
+        if !further && !last {
+            continue;
+        }
+        let Some(way) = way_to(module, function, handle) else { continue };
+        // naga's GLSL puts every variable into every function: only what is loaded is mentioned.
+        let mentioned = match language {
+            Language::Wgsl => true,
+            Language::Glsl => way.loaded,
+        };
+        if further || mentioned {
+            touched.push((way.variable, way.steps));
+        }
+    }
+}
+
+/// The way from a variable to a place in it, or to the value there.
+struct Way {
+    variable: Handle<GlobalVariable>,
+    steps: Vec<Step>,
+    loaded: bool,
+}
+
+/// The variable an expression is a part of, and the way there; `None` for what is computed.
+fn way_to(module: &Module, function: &Function, mut handle: Handle<Expression>) -> Option<Way> {
+    let (mut steps, mut loaded) = (Vec::new(), false);
+    loop {
+        match function.expressions[handle] {
+            Expression::GlobalVariable(variable) => {
+                steps.reverse();
+                return (!matches!(
+                    module.global_variables[variable].space,
+                    naga::AddressSpace::Handle
+                ))
+                .then_some(Way { variable, steps, loaded });
+            }
+            Expression::AccessIndex { base, index } => {
+                steps.push(Step::Index(index));
+                handle = base;
+            }
+            Expression::Access { base, .. } => {
+                steps.push(Step::Any);
+                handle = base;
+            }
+            Expression::Load { pointer } => {
+                loaded = true;
+                handle = pointer;
+            }
+            _ => return None,
+        }
+    }
+}
+
+/// The way to a place as leaves spell it, as far down as there are members and elements.
+fn spelled(
+    module: &Module,
+    variable: Handle<GlobalVariable>,
+    steps: &[Step],
+    block: &BlockLayout,
+    source: &Source,
+) -> String {
+    let mut path = match (source.language, &block.instance) {
+        // A store type that is no structure: its one member is named as the variable.
+        (Language::Wgsl, None) => block.name.to_string(),
+        (Language::Wgsl, Some(_)) | (Language::Glsl, _) => String::new(),
+    };
+    let mut ty = module.global_variables[variable].ty;
+    // The dimensions of an array of blocks are no part of a path.
+    let mut outer = block.count.len();
+    for step in steps {
+        match (&module.types[ty].inner, step) {
+            (TypeInner::Array { base, .. } | TypeInner::BindingArray { base, .. }, _) => {
+                match outer {
+                    0 => path.push_str("[]"),
+                    _ => outer -= 1,
+                }
+                ty = *base;
+            }
+            (TypeInner::Struct { members, .. }, Step::Index(index)) => {
+                let Some(member) = members.get(*index as usize) else { break };
+                if !path.is_empty() {
+                    path.push('.');
+                }
+                path.push_str(member.name.as_deref().unwrap_or(""));
+                ty = member.ty;
+            }
+            // A component of a vector, a column of a matrix: the leaf as a whole.
+            _ => break,
+        }
+    }
+    path
+}

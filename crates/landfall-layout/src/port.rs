@@ -1,0 +1,424 @@
+//! Old GLSL as GLSL 4.50 for Vulkan: loose uniforms gathered into one std140
+//! block, so that what took a call each takes one upload.
+//!
+//! The text is edited, not printed anew: comments, macros, blank lines and
+//! everything that need not change stay byte for byte. `outline` finds the
+//! declarations, and each kind of change has a file: `environment` (version,
+//! extensions, conditions), `words`, `hoist` (handles in structures),
+//! `uniforms`, `interface` (locations). `edits` puts them together.
+//! `separate` and `wgsl` take the result on to naga's GLSL and to WGSL.
+//!
+//! Clip space is not touched: a vertex shader written for OpenGL's depth range
+//! and upward y still writes those.
+
+mod edits;
+mod environment;
+mod hoist;
+mod interface;
+mod outline;
+mod separate;
+mod shader;
+mod site;
+mod uniforms;
+mod wgsl;
+mod words;
+
+use crate::shape::AddressSpace;
+use crate::source::{Language, ReadOptions, Source, Span, Stage, Target};
+use crate::syntax::glsl::raw;
+use crate::{BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
+use edits::Edits;
+use hoist::Handles;
+pub use interface::Direction;
+use shader::Shader;
+use uniforms::{Bindings, Gathered};
+
+/// What reads a ported shader.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// Vulkan's GLSL 4.50, samplers as they were.
+    #[default]
+    Vulkan,
+    /// GLSL 4.50 as naga, and so wgpu, takes it: textures and samplers apart. Held against naga.
+    Naga,
+    /// WGSL, where its rules put every member at the same offset.
+    Wgsl,
+}
+
+/// How a shader is ported.
+#[derive(Clone, Debug)]
+pub struct PortOptions {
+    /// What is to read the result.
+    pub dialect: Dialect,
+    /// How its text is read.
+    pub read: ReadOptions,
+    /// The name of the block its loose uniforms become.
+    pub block: String,
+    /// The descriptor set of everything that has none.
+    pub set: u32,
+    /// The first binding given out; the block of loose uniforms has it if it is free.
+    pub first_binding: u32,
+    /// The stage before or after it in the same program, to agree with on locations.
+    pub partner: Option<Source>,
+    /// Locations by name, for what is to have another one than it would be given.
+    pub locations: Vec<(String, u32)>,
+}
+
+impl Default for PortOptions {
+    fn default() -> PortOptions {
+        PortOptions {
+            dialect: Dialect::Vulkan,
+            read: ReadOptions::default(),
+            block: "DefaultBlock".to_string(),
+            set: 0,
+            first_binding: 0,
+            partner: None,
+            locations: Vec::new(),
+        }
+    }
+}
+
+/// A ported shader, and what a program that used the original has to know.
+#[derive(Clone, Debug)]
+pub struct Ported {
+    /// The new text.
+    pub source: Source,
+    /// The block the loose uniforms are in, where there were any.
+    pub block: Option<String>,
+    /// Sets and bindings, the block of the loose uniforms first.
+    pub bindings: Vec<Binding>,
+    /// Locations of inputs and outputs.
+    pub locations: Vec<Location>,
+    /// Values that `uniform float x = 2.0;` gave, and that have to be uploaded now.
+    pub values: Vec<InitialValue>,
+    /// Names that had to change, old and new: keywords, and handles out of structures.
+    pub renamed: Vec<(String, String)>,
+}
+
+impl Ported {
+    /// The path a member of the block has now: `sample.rate` may be `sample_.rate`; or a sampler
+    /// that was one of a structure: `materials[2].diffuse` is `materials_diffuse[2]`.
+    pub fn new_path(&self, path: &str) -> String {
+        let split = |part: &str| -> (String, String) {
+            let (name, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
+            (name.to_string(), brackets.to_string())
+        };
+        let (names, brackets): (Vec<String>, Vec<String>) = path.split('.').map(split).unzip();
+        let whole = names.join(".");
+        if let Some((_, own)) =
+            self.renamed.iter().find(|(old, _)| names.len() > 1 && *old == whole)
+        {
+            return format!("{own}{}", brackets.concat());
+        }
+        let new = |name: &str| {
+            let found = self.renamed.iter().find(|(old, _)| old == name);
+            found.map_or(name.to_string(), |(_, new)| new.clone())
+        };
+        let parts = path.split('.').map(|part| {
+            let (name, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
+            format!("{}{brackets}", new(name))
+        });
+        parts.collect::<Vec<_>>().join(".")
+    }
+}
+
+/// Where something is bound.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Binding {
+    /// A block's name, or a variable's.
+    pub name: String,
+    /// Descriptor set.
+    pub set: u32,
+    /// Binding.
+    pub binding: u32,
+}
+
+/// Where something passes between stages.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    /// Its name.
+    pub name: String,
+    /// Which way.
+    pub direction: Direction,
+    /// Its first location.
+    pub location: u32,
+}
+
+/// The value a loose uniform had before it was set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InitialValue {
+    /// Its name.
+    pub name: String,
+    /// The expression as written.
+    pub value: String,
+}
+
+/// Ports a GLSL shader to GLSL 4.50 for Vulkan.
+///
+/// # Errors
+/// What cannot be ported, each with its place: the fixed functions' state, copies of structures
+/// with samplers in them, declarations in macros or includes, uniform arrays without a size.
+pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+    let mut options = options.clone();
+    options.read.target = options.read.target.or_else(|| target_of(source));
+    let ported = edit(source, &options)?;
+    verify(source, &options, &ported)?;
+    match options.dialect {
+        Dialect::Vulkan => Ok(ported),
+        Dialect::Naga | Dialect::Wgsl => through_naga(ported, &options),
+    }
+}
+
+fn through_naga(mut ported: Ported, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+    let read = ReadOptions { target: Some(Target::Vulkan), ..options.read.clone() };
+    let layouts = Options { read: read.clone(), ..Options::default() };
+    let shader = Shader::new(&ported.source.text, raw::read(&ported.source, &read));
+    let mut problems = Vec::new();
+    let text = separate::separate(&shader, &mut ported.bindings, &mut problems);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    ported.source = Source { text: text.into(), ..ported.source };
+    wgsl::check(&ported.source, &layouts)?;
+    if options.dialect == Dialect::Wgsl {
+        ported.source = wgsl::write(&ported.source, &layouts)?;
+    }
+    Ok(ported)
+}
+
+/// OpenGL for versions there were before Vulkan, even if the text speaks of Vulkan.
+fn target_of(source: &Source) -> Option<Target> {
+    let raw = raw::read(source, &ReadOptions::default());
+    (raw.version < 400).then_some(Target::OpenGl)
+}
+
+fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+    if source.language != Language::Glsl {
+        let message =
+            format!("`{}` is {}, only GLSL is ported", source.path, source.language.name());
+        return Err(vec![Diagnostic::error("not-portable", Span::default(), message)]);
+    }
+    let shader = Shader::new(&source.text, raw::read(source, &options.read));
+    let mut problems = readable(source, options, &shader);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let Some(stage) = source.stage.or_else(|| stage_of(&shader)) else {
+        let message = "the stage is not known from the file's name";
+        let problem = Diagnostic::error("not-portable", Span::default(), message);
+        return Err(vec![
+            problem.with_help("name it `.vert`, `.frag` and so on, or say `--stage`"),
+        ]);
+    };
+    let mut edits = Edits::default();
+    words::refuse(&shader, &mut problems);
+    environment::adapt(&shader, &mut edits);
+    let mut renamed = words::rename(&shader, &mut edits);
+    let output = interface::fragment_output(&shader, &mut edits, &mut problems);
+
+    let handles = Handles::new(&shader);
+    handles.strip(&mut edits);
+    handles.rewrite(&mut edits, &mut problems);
+    let gathered = uniforms::gather(&shader, &handles, &mut edits, &mut problems);
+    for name in gathered.names.clone() {
+        for (own, path) in handles.of_global(&name) {
+            renamed.push((format!("{name}.{}", path.fields.join(".")), own.to_string()));
+        }
+    }
+
+    let first = options.first_binding + taken_by_partner(source, options, stage);
+    let mut bindings = Bindings::new(&shader, options.set, first);
+    let block = (!gathered.members.is_empty()).then(|| block_name(&shader, options, stage));
+    let mut text = String::new();
+    if let Some(block) = &block {
+        text.push_str(&block_text(&shader, block, &gathered, &mut bindings));
+    }
+    uniforms::bind(&shader, &mut bindings, &mut edits, &mut problems);
+    for (ty, declared) in &gathered.handles {
+        let name = declared.split('[').next().unwrap_or("");
+        let (set, binding) = bindings.give(name);
+        text.push_str(&format!(
+            "layout(set = {set}, binding = {binding}) uniform {ty} {declared};\n"
+        ));
+    }
+    let mut needed = gathered.names.clone();
+    if let Some((declared, location)) = &output {
+        text.push_str(declared);
+        needed.push(location.name.clone());
+        needed.extend(["gl_FragColor".to_string(), "gl_FragData".to_string()]);
+    }
+    if !text.is_empty() {
+        match site::find(&shader, &gathered, &needed) {
+            Ok(at) => site::insert(&shader, at, text, &mut edits),
+            Err(problem) => problems.push(problem),
+        }
+    }
+
+    let passed = interface::passed(&shader, source, stage, &options.read);
+    let partner =
+        options.partner.as_ref().map_or(Vec::new(), |partner| partner_passed(partner, options));
+    let mut locations =
+        interface::locate(&shader, stage, &passed, &partner, &options.locations, &mut problems);
+    interface::write(&shader, stage, &passed, &locations, &mut edits);
+    locations.extend(output.map(|(_, location)| location));
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let text = edits.render(&source.text, 0..source.text.len());
+    Ok(Ported {
+        source: Source { text: text.into(), stage: Some(stage), ..source.clone() },
+        block,
+        bindings: bindings.given,
+        locations,
+        values: gathered.values,
+        renamed,
+    })
+}
+
+/// What stands in the way before anything is changed.
+fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<Diagnostic> {
+    let parsed = crate::syntax::parse(source, &options.read, false);
+    let mut problems = parsed.diagnostics;
+    problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
+    let found: Vec<&str> = shader
+        .variables()
+        .filter(|variables| shader.has_word(variables, "uniform"))
+        .flat_map(|variables| &variables.declarators)
+        .map(|declarator| shader.code[declarator.name].text)
+        .collect();
+    let loose = parsed.shape.blocks.iter().filter(|block| block.space == AddressSpace::Default);
+    for member in loose.flat_map(|block| &block.members) {
+        if member.span.file != 0 || !found.contains(&&*member.name) {
+            let message = format!("`{}` is declared by a macro or in an include", member.name);
+            problems.push(
+                Diagnostic::error("not-portable", member.span, message)
+                    .with_note("the text of one file is edited, macros and includes are left alone")
+                    .with_help("write the declaration out in the shader itself"),
+            );
+        }
+    }
+    for (index, file) in shader.raw.files.iter().enumerate().skip(1) {
+        if file.path.starts_with("-D ") {
+            continue;
+        }
+        let legacy =
+            ["uniform", "varying", "attribute", "texture2D", "gl_FragColor", "gl_FragData"];
+        let mut words = file.text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+        if let Some(word) = words.find(|word| legacy.contains(word)) {
+            let message = format!("`{}`, which is included, has `{word}` in it", file.path);
+            let span = Span { file: index as u32, start: 0, end: 0 };
+            problems.push(
+                Diagnostic::error("not-portable", span, message)
+                    .with_help("port the included file's text as part of the shader"),
+            );
+        }
+    }
+    for declaration in &shader.declarations {
+        let outline::Declaration::Other(tokens) = declaration else { continue };
+        let words = &shader.code[tokens.clone()];
+        let passes = ["uniform", "buffer", "attribute", "varying", "in", "out"];
+        let edited = words.iter().take(6).any(|token| passes.contains(&token.text));
+        // `in vec4 gl_FragCoord;` and `buffer NAME;` ahead of a buffer reference stay.
+        let builtin = words
+            .iter()
+            .any(|token| token.text.starts_with("gl_") || token.text == "buffer_reference");
+        if edited && !builtin {
+            let message = "this declaration is not understood";
+            let problem = Diagnostic::error("not-portable", shader.span(tokens.start), message);
+            problems.push(problem.with_help("write it without macros"));
+        }
+    }
+    let subroutine = shader.code.iter().position(|token| token.text == "subroutine");
+    if let Some(at) = subroutine {
+        let message = "Vulkan has no subroutines";
+        problems.push(Diagnostic::error("not-portable", shader.span(at), message));
+    }
+    problems
+}
+
+/// The stage a text without a telling name is written for.
+fn stage_of(shader: &Shader<'_>) -> Option<Stage> {
+    let has = |word: &str| shader.code.iter().any(|token| token.text == word);
+    if has("gl_Position") || has("attribute") {
+        return Some(Stage::Vertex);
+    }
+    let fragment = ["gl_FragColor", "gl_FragData", "gl_FragCoord", "gl_FragDepth", "discard"];
+    fragment.into_iter().any(has).then_some(Stage::Fragment)
+}
+
+/// The name of the block: with a partner, one of this stage's own, since the stages hold
+/// different members.
+fn block_name(shader: &Shader<'_>, options: &PortOptions, stage: Stage) -> String {
+    let mut name = options.block.clone();
+    if options.partner.is_some() {
+        let words = stage.name().split('_');
+        name.extend(words.map(|word| format!("{}{}", word[..1].to_uppercase(), &word[1..])));
+    }
+    shader.unused(&name)
+}
+
+fn block_text(
+    shader: &Shader<'_>,
+    block: &str,
+    gathered: &Gathered,
+    bindings: &mut Bindings,
+) -> String {
+    let (set, binding) = bindings.give(block);
+    // A default for blocks must not reach the gathered ones, which no layout ever touched.
+    let row_major = shader.code.iter().any(|token| token.text == "row_major");
+    let major = if row_major { ", column_major" } else { "" };
+    format!(
+        "layout(set = {set}, binding = {binding}, std140{major}) uniform {block} {{\n{}}};\n",
+        gathered.members
+    )
+}
+
+/// Bindings the stage before has, so that both can be in one pipeline.
+fn taken_by_partner(source: &Source, options: &PortOptions, stage: Stage) -> u32 {
+    let Some(partner) = options.partner.as_ref().filter(|_| stage != Stage::Vertex) else {
+        return 0;
+    };
+    let alone = PortOptions { partner: None, ..options.clone() };
+    if partner.path == source.path {
+        return 0;
+    }
+    let bindings = edit(partner, &alone).map_or(Vec::new(), |ported| ported.bindings);
+    let last = bindings.iter().map(|binding| binding.binding + 1).max().unwrap_or(0);
+    last.saturating_sub(options.first_binding)
+}
+
+fn partner_passed(partner: &Source, options: &PortOptions) -> Vec<interface::Passed> {
+    let shader = Shader::new(&partner.text, raw::read(partner, &options.read));
+    let stage = partner.stage.or_else(|| stage_of(&shader));
+    stage.map_or(Vec::new(), |stage| interface::passed(&shader, partner, stage, &options.read))
+}
+
+/// Holds the result against the original: the gathered uniforms have the layout the original's
+/// would have, and nothing loose is left.
+fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(), Vec<Diagnostic>> {
+    let read = |gather| Options { read: options.read.clone(), gather, ..Options::default() };
+    let before = layout(source, &read(true));
+    let after = layout(&ported.source, &read(false));
+    let made = |block: &&BlockLayout| *block.name == *"DefaultBlock" && !block.rules_declared;
+    let mut problems = after.diagnostics;
+    problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
+    let leaves = |block: Option<&BlockLayout>, name: &dyn Fn(&str) -> String| {
+        let leaves = block.map_or(&[][..], |block| &block.leaves);
+        let row = |l: &Leaf| format!("{} {:?} {:?} {:?}", name(&l.path), l.ty, l.offset, l.strides);
+        let mut rows: Vec<String> = leaves.iter().map(row).collect();
+        rows.sort();
+        rows
+    };
+    let gathered = leaves(before.blocks.iter().rfind(made), &|path| ported.new_path(path));
+    let block = after.blocks.iter().find(|b| Some(&*b.name) == ported.block.as_deref());
+    let moved = leaves(block, &str::to_string);
+    let loose = after.blocks.iter().any(|block| block.space == AddressSpace::Default);
+    if problems.is_empty() && (gathered != moved || loose) {
+        let message = "the ported text does not hold the uniforms of the original";
+        problems.push(
+            Diagnostic::error("not-portable", Span::default(), message)
+                .with_note("this is a limit of landfall, not a fault of the shader"),
+        );
+    }
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
+}

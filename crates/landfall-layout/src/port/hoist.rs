@@ -1,0 +1,409 @@
+//! Handles in structures: Vulkan's GLSL has none, so `material.diffuse`
+//! becomes a variable of its own, `material_diffuse`, through arrays and
+//! parameters of functions too.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::edits::Edits;
+use super::outline::{Function, Parameter, Structure, Tokens};
+use super::shader::{Shader, is_opaque};
+use crate::Diagnostic;
+use crate::syntax::glsl::lexer::Kind;
+
+/// The way from a structure to a handle in it.
+#[derive(Clone, Debug)]
+pub(super) struct Path<'a> {
+    pub fields: Vec<&'a str>,
+    pub ty: &'a str,
+    /// Every array dimension on the way, outermost first, as written.
+    pub dims: Vec<&'a str>,
+}
+
+/// Structures with handles in them.
+pub(super) struct Handles<'s, 'a> {
+    shader: &'s Shader<'a>,
+    structures: FxHashMap<&'a str, &'s Structure>,
+    paths: FxHashMap<&'a str, Vec<Path<'a>>>,
+    /// Global variables of such types.
+    globals: FxHashMap<&'a str, Variable<'a>>,
+    /// Functions that take such structures: which parameters.
+    functions: FxHashMap<&'a str, Vec<(usize, &'a str)>>,
+}
+
+/// A variable whose type has handles in it.
+#[derive(Clone, Debug)]
+struct Variable<'a> {
+    structure: &'a str,
+    /// The name of each handle's own variable, in the order of the structure's paths.
+    names: Vec<String>,
+}
+
+/// Where a use of a variable leads.
+struct Chain<'a> {
+    /// Tokens of the fields passed, the `.` before each.
+    fields: Vec<usize>,
+    /// What stands in brackets on the way, brackets included.
+    indices: Vec<Tokens>,
+    end: usize,
+    to: Target<'a>,
+}
+
+enum Target<'a> {
+    Handle,
+    /// A structure with handles in it.
+    Structure(&'a str),
+    Data,
+}
+
+impl<'s, 'a> Handles<'s, 'a> {
+    pub fn new(shader: &'s Shader<'a>) -> Handles<'s, 'a> {
+        let structures = shader.structures();
+        let mut handles = Handles {
+            shader,
+            structures,
+            paths: FxHashMap::default(),
+            globals: FxHashMap::default(),
+            functions: FxHashMap::default(),
+        };
+        for name in handles.structures.keys() {
+            let found = paths(shader, &handles.structures, name, 0);
+            if !found.is_empty() {
+                handles.paths.insert(name, found);
+            }
+        }
+        for variables in shader.variables().filter(|v| shader.has_word(v, "uniform")) {
+            let Some(structure) = handles.type_name(variables.ty, variables.structure.as_ref())
+            else {
+                continue;
+            };
+            for declarator in &variables.declarators {
+                let name = shader.code[declarator.name].text;
+                let variable = handles.variable(name, structure);
+                handles.globals.insert(name, variable);
+            }
+        }
+        for function in shader.functions() {
+            let taken = function.parameters.iter().enumerate().filter_map(|(index, parameter)| {
+                let name = shader.code[parameter.ty].text;
+                handles.paths.contains_key(name).then_some((index, name))
+            });
+            let taken: Vec<_> = taken.collect();
+            if !taken.is_empty() {
+                handles.functions.insert(shader.code[function.name].text, taken);
+            }
+        }
+        handles
+    }
+
+    /// The name of a type that has handles in it.
+    fn type_name(&self, ty: usize, structure: Option<&Structure>) -> Option<&'a str> {
+        let token = structure.and_then(|s| s.name).unwrap_or(ty);
+        let (name, _) = self.paths.get_key_value(self.shader.code[token].text)?;
+        Some(name)
+    }
+
+    fn variable(&self, name: &str, structure: &'a str) -> Variable<'a> {
+        let own =
+            |path: &Path<'a>| self.shader.unused(&format!("{name}_{}", path.fields.join("_")));
+        Variable { structure, names: self.paths[structure].iter().map(own).collect() }
+    }
+
+    /// Whether anything but handles is in a type.
+    pub fn has_data(&self, ty: &str) -> bool {
+        let Some(structure) = self.structures.get(ty) else { return !is_opaque(ty) };
+        structure.members.iter().any(|m| self.has_data(self.shader.code[m.ty].text))
+    }
+
+    /// The handles of a global variable: each with the name of its own variable.
+    pub fn of_global(&self, name: &str) -> Vec<(&str, &Path<'a>)> {
+        let Some(variable) = self.globals.get(name) else { return Vec::new() };
+        let paths = &self.paths[variable.structure];
+        variable.names.iter().map(String::as_str).zip(paths).collect()
+    }
+
+    /// Takes the handles out of the structures.
+    pub fn strip(&self, edits: &mut Edits) {
+        for (name, structure) in &self.structures {
+            if !self.paths.contains_key(name) {
+                continue;
+            }
+            if !self.has_data(name) {
+                edits.delete(self.shader.lines_of(&structure.tokens).bytes);
+                continue;
+            }
+            for member in &structure.members {
+                if !self.has_data(self.shader.code[member.ty].text) {
+                    edits.delete(self.shader.lines_of(&member.tokens).bytes);
+                }
+            }
+        }
+    }
+
+    /// Rewrites parameters and uses.
+    pub fn rewrite(&self, edits: &mut Edits, problems: &mut Vec<Diagnostic>) {
+        for function in self.shader.functions() {
+            let mut scope = self.globals.clone();
+            for parameter in &function.parameters {
+                self.parameter(function, parameter, &mut scope, edits);
+            }
+            if let Some(body) = &function.body {
+                self.body(body, &scope, edits, problems);
+            }
+        }
+        self.refuse_macros(problems);
+    }
+
+    fn parameter(
+        &self,
+        function: &Function,
+        parameter: &Parameter,
+        scope: &mut FxHashMap<&'a str, Variable<'a>>,
+        edits: &mut Edits,
+    ) {
+        let name = parameter.name.map(|name| self.shader.code[name].text);
+        let Some(structure) = self.type_name(parameter.ty, None) else {
+            if let Some(name) = name {
+                scope.remove(name); // it hides the global one
+            }
+            return;
+        };
+        let variable = self.variable(name.unwrap_or("p"), structure);
+        let outer: Vec<&str> = parameter.dims.iter().map(|d| self.shader.text_of(d)).collect();
+        let own = variable.names.iter().zip(&self.paths[structure]).map(|(own, path)| {
+            let dims = outer.iter().chain(&path.dims).map(|dim| format!("[{dim}]"));
+            let own = if function.body.is_none() && name.is_none() { "" } else { own.as_str() };
+            format!("{} {own}{}", path.ty, dims.collect::<String>()).trim_end().to_string()
+        });
+        let own: Vec<String> = own.collect();
+        let bytes = self.shader.bytes(&parameter.tokens);
+        if self.has_data(structure) {
+            edits.insert(bytes.end, format!(", {}", own.join(", ")));
+        } else {
+            edits.replace(bytes, own.join(", "));
+        }
+        if let Some(name) = name {
+            scope.insert(name, variable);
+        }
+    }
+
+    fn body(
+        &self,
+        body: &Tokens,
+        scope: &FxHashMap<&'a str, Variable<'a>>,
+        edits: &mut Edits,
+        problems: &mut Vec<Diagnostic>,
+    ) {
+        let code = &self.shader.code;
+        let mut passed_on = FxHashSet::default();
+        for at in body.clone() {
+            let word = code[at].text;
+            if code[at].kind != Kind::Name || (at > 0 && code[at - 1].text == ".") {
+                continue;
+            }
+            let called = code.get(at + 1).is_some_and(|token| token.text == "(");
+            if let Some(parameters) = self.functions.get(word).filter(|_| called) {
+                let arguments = arguments(self.shader, at + 1);
+                for (index, structure) in parameters {
+                    let Some(argument) = arguments.get(*index) else { continue };
+                    if self.argument(argument, structure, scope, edits) {
+                        passed_on.insert(argument.start);
+                    }
+                }
+            }
+            if self.paths.contains_key(word) && !called {
+                problems.push(self.copied(at, word));
+                continue;
+            }
+            let Some(variable) = scope.get(word) else { continue };
+            let chain = self.chain(at, variable.structure);
+            match chain.to {
+                Target::Data => {}
+                Target::Handle => {
+                    let fields: Vec<&str> = chain.fields.iter().map(|&f| code[f].text).collect();
+                    let paths = &self.paths[variable.structure];
+                    let place = paths.iter().position(|path| path.fields == fields);
+                    let name = place.and_then(|place| variable.names.get(place));
+                    edits.replace(code[at].start..code[at].end, name.map_or("", String::as_str));
+                    for field in chain.fields {
+                        edits.delete(code[field - 1].start..code[field].end);
+                    }
+                }
+                Target::Structure(_) if passed_on.contains(&at) => {}
+                Target::Structure(name) => problems.push(self.copied(at, name)),
+            }
+        }
+    }
+
+    /// Passes the handles of an argument on beside it; `false` when it is no plain variable.
+    fn argument(
+        &self,
+        argument: &Tokens,
+        structure: &str,
+        scope: &FxHashMap<&'a str, Variable<'a>>,
+        edits: &mut Edits,
+    ) -> bool {
+        let code = &self.shader.code;
+        let Some(first) = code.get(argument.start) else { return false };
+        let Some(variable) = scope.get(first.text) else { return false };
+        let chain = self.chain(argument.start, variable.structure);
+        let found = matches!(chain.to, Target::Structure(name) if name == structure);
+        if !found || chain.end != argument.end {
+            return false;
+        }
+        let fields: Vec<&str> = chain.fields.iter().map(|&field| code[field].text).collect();
+        let indices: String = chain.indices.iter().map(|i| self.shader.text_of(i)).collect();
+        let paths = self.paths[variable.structure].iter().zip(&variable.names);
+        let own = paths.filter(|(path, _)| path.fields.starts_with(&fields));
+        let own: Vec<String> = own.map(|(_, name)| format!("{name}{indices}")).collect();
+        let bytes = self.shader.bytes(argument);
+        if self.has_data(structure) {
+            edits.insert(bytes.end, format!(", {}", own.join(", ")));
+        } else {
+            edits.replace(bytes, own.join(", "));
+        }
+        true
+    }
+
+    /// Follows `[…]` and `.field` behind a variable.
+    fn chain(&self, at: usize, structure: &'a str) -> Chain<'a> {
+        let code = &self.shader.code;
+        let mut chain = Chain {
+            fields: Vec::new(),
+            indices: Vec::new(),
+            end: at + 1,
+            to: Target::Structure(structure),
+        };
+        let mut current = structure;
+        while let Some(token) = code.get(chain.end) {
+            if token.text == "[" {
+                let close = closing(self.shader, chain.end);
+                chain.indices.push(chain.end..close + 1);
+                chain.end = close + 1;
+                continue;
+            }
+            if token.text != "." {
+                break;
+            }
+            let field = chain.end + 1;
+            let name = code.get(field).map_or("", |token| token.text);
+            let members = &self.structures[current].members;
+            let member = members.iter().find(|m| {
+                m.declarators.iter().any(|declarator| code[declarator.name].text == name)
+            });
+            let Some(member) = member else {
+                chain.to = Target::Data;
+                break;
+            };
+            chain.fields.push(field);
+            chain.end = field + 1;
+            let ty = code[member.ty].text;
+            if is_opaque(ty) {
+                chain.to = Target::Handle;
+                break;
+            }
+            match self.paths.get_key_value(ty) {
+                Some((name, _)) => {
+                    current = name;
+                    chain.to = Target::Structure(name);
+                }
+                None => {
+                    chain.to = Target::Data;
+                    break;
+                }
+            }
+        }
+        chain
+    }
+
+    fn copied(&self, at: usize, structure: &str) -> Diagnostic {
+        let message = format!("a copy of `{structure}` would copy the handles in it");
+        Diagnostic::error("not-portable", self.shader.span(at), message)
+            .with_note("handles cannot be copied, so they are moved out of the structure")
+            .with_help("use the uniform itself, or pass it to a function")
+    }
+
+    /// A macro that reaches into such a variable is not followed.
+    fn refuse_macros(&self, problems: &mut Vec<Diagnostic>) {
+        for directive in self.shader.directives() {
+            let words = directive.clone().map(|at| (at, self.shader.word(at)));
+            let is_define = words.clone().nth(1).is_some_and(|(_, word)| word == "define");
+            let found = words.skip(3).find(|(_, word)| self.globals.contains_key(word));
+            if let (true, Some((at, word))) = (is_define, found) {
+                let token = &self.shader.raw.tokens[at];
+                let span =
+                    crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
+                let message = format!("a macro uses `{word}`, which has handles in it");
+                problems.push(
+                    Diagnostic::error("not-portable", span, message)
+                        .with_help("write out what the macro stands for"),
+                );
+            }
+        }
+    }
+}
+
+fn paths<'a>(
+    shader: &Shader<'a>,
+    structures: &FxHashMap<&'a str, &Structure>,
+    name: &str,
+    depth: usize,
+) -> Vec<Path<'a>> {
+    let mut found = Vec::new();
+    let Some(structure) = structures.get(name).filter(|_| depth < 32) else { return found };
+    for member in &structure.members {
+        let ty = shader.code[member.ty].text;
+        let inner = if is_opaque(ty) {
+            vec![Path { fields: Vec::new(), ty, dims: Vec::new() }]
+        } else {
+            paths(shader, structures, ty, depth + 1)
+        };
+        for declarator in &member.declarators {
+            let own = declarator.dims.iter().chain(&member.type_dims);
+            let own: Vec<&str> = own.map(|dim| shader.text_of(dim)).collect();
+            for path in &inner {
+                let mut fields = vec![shader.code[declarator.name].text];
+                fields.extend(&path.fields);
+                let dims = own.iter().chain(&path.dims).copied().collect();
+                found.push(Path { fields, ty: path.ty, dims });
+            }
+        }
+    }
+    found
+}
+
+/// The arguments of a call, its `(` at `open`.
+pub(super) fn arguments(shader: &Shader<'_>, open: usize) -> Vec<Tokens> {
+    let close = closing(shader, open);
+    let mut all = Vec::new();
+    let mut start = open + 1;
+    let mut at = start;
+    while at < close {
+        match shader.code[at].text {
+            "(" | "[" | "{" => at = closing(shader, at),
+            "," => {
+                all.push(start..at);
+                start = at + 1;
+            }
+            _ => {}
+        }
+        at += 1;
+    }
+    all.push(start..close);
+    all
+}
+
+/// The partner of a bracket; the last token when it has none.
+fn closing(shader: &Shader<'_>, open: usize) -> usize {
+    let mut depth = 0usize;
+    for (at, token) in shader.code.iter().enumerate().skip(open) {
+        match token.text {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth == 0 {
+            return at;
+        }
+    }
+    shader.code.len() - 1
+}

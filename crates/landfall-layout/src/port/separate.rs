@@ -1,0 +1,254 @@
+//! GLSL 4.50 as naga takes it: textures and samplers apart, no precision, no
+//! `bool` in blocks. Works on a text that is ported already.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::Binding;
+use super::edits::Edits;
+use super::hoist::arguments;
+use super::outline::{Declaration, Function, Tokens};
+use super::shader::{Shader, is_opaque};
+use super::uniforms::number;
+use crate::Diagnostic;
+use crate::syntax::glsl::lexer::Kind;
+
+/// A sampler that became a texture and a sampler.
+#[derive(Clone, Debug)]
+struct Pair {
+    /// The type it had, which now joins the two: `sampler2D(t, t_sampler)`.
+    joined: String,
+    sampler: String,
+}
+
+type Scope<'a> = FxHashMap<&'a str, Pair>;
+
+/// Rewrites a ported text; new bindings are added to `bindings`.
+pub(super) fn separate(
+    shader: &Shader<'_>,
+    bindings: &mut Vec<Binding>,
+    problems: &mut Vec<Diagnostic>,
+) -> String {
+    let mut edits = Edits::default();
+    drop_words(shader, &mut edits);
+    let bools = bools(shader, &mut edits);
+    let globals = globals(shader, bindings, &mut edits, problems);
+    let takers: FxHashMap<&str, Vec<usize>> = shader
+        .functions()
+        .map(|function| {
+            let taken = function.parameters.iter().enumerate();
+            let taken = taken.filter(|(_, p)| is_joined(shader.code[p.ty].text));
+            (shader.code[function.name].text, taken.map(|(index, _)| index).collect::<Vec<_>>())
+        })
+        .filter(|(_, taken)| !taken.is_empty())
+        .collect();
+    for function in shader.functions() {
+        let scope = parameters(shader, function, &globals, &mut edits, problems);
+        if let Some(body) = &function.body {
+            uses(shader, body, &scope, &takers, &bools, &mut edits);
+        }
+    }
+    refuse(shader, &globals, problems);
+    edits.render(shader.text, 0..shader.text.len())
+}
+
+/// Whether a type is a texture and a sampler in one.
+fn is_joined(ty: &str) -> bool {
+    is_opaque(ty) && ty.contains("sampler") && !matches!(ty, "sampler" | "samplerShadow")
+}
+
+/// `sampler2DShadow` is a `texture2D` and a `samplerShadow`.
+fn parts(joined: &str) -> (String, &'static str) {
+    let texture = joined.replacen("sampler", "texture", 1);
+    match texture.strip_suffix("Shadow") {
+        Some(texture) => (texture.to_string(), "samplerShadow"),
+        None => (texture, "sampler"),
+    }
+}
+
+/// Takes out what says nothing here and what naga does not read.
+fn drop_words(shader: &Shader<'_>, edits: &mut Edits) {
+    for at in shader.words() {
+        let token = &shader.raw.tokens[at];
+        match shader.word(at) {
+            "precision" | "invariant" if token.directive.is_none() => {
+                let rest = shader.raw.tokens[at..].iter().take_while(|t| t.directive.is_none());
+                let end = rest.clone().find(|t| &shader.text[t.start..t.end] == ";");
+                let short = rest.take(4).any(|t| &shader.text[t.start..t.end] == ";");
+                let end = end.filter(|_| short && is_statement(shader, at)).map(|t| t.end);
+                edits.delete(token.start..end.unwrap_or(token.end + 1));
+            }
+            "lowp" | "mediump" | "highp" => {
+                let space = shader.text[token.end..].starts_with(' ');
+                edits.delete(token.start..token.end + usize::from(space));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// `precision …;` and `invariant gl_Position;`, not `invariant out vec3 v;`.
+fn is_statement(shader: &Shader<'_>, at: usize) -> bool {
+    let builtin = at + 1 < shader.raw.tokens.len() && shader.word(at + 1).starts_with("gl_");
+    shader.word(at) == "precision" || builtin
+}
+
+/// Members of blocks without an instance that are a plain `bool` become `uint`; their names.
+fn bools<'a>(shader: &Shader<'a>, edits: &mut Edits) -> FxHashSet<&'a str> {
+    let mut names = FxHashSet::default();
+    for declaration in &shader.declarations {
+        let Declaration::Block(block) = declaration else { continue };
+        if shader.code[block.tokens.end - 2].text != "}" {
+            continue;
+        }
+        for member in &block.members {
+            let ty = shader.code[member.ty];
+            let plain =
+                member.type_dims.is_empty() && member.declarators.iter().all(|d| d.dims.is_empty());
+            if ty.text == "bool" && plain {
+                edits.replace(ty.start..ty.end, "uint");
+                names.extend(member.declarators.iter().map(|d| shader.code[d.name].text));
+            }
+        }
+    }
+    names
+}
+
+fn globals<'a>(
+    shader: &Shader<'a>,
+    bindings: &mut Vec<Binding>,
+    edits: &mut Edits,
+    problems: &mut Vec<Diagnostic>,
+) -> Scope<'a> {
+    let mut scope = Scope::default();
+    for variables in shader.variables().filter(|v| shader.has_word(v, "uniform")) {
+        let ty = shader.code[variables.ty];
+        if !is_joined(ty.text) {
+            continue;
+        }
+        let (texture, sampler) = parts(ty.text);
+        let declarator = &variables.declarators[0];
+        let name = shader.code[declarator.name].text;
+        if ty.text.contains("Buffer")
+            || !declarator.dims.is_empty()
+            || !variables.type_dims.is_empty()
+        {
+            let message = format!("naga takes no `{}` like `{name}`", ty.text);
+            problems.push(Diagnostic::error("not-portable", shader.span(declarator.name), message));
+            continue;
+        }
+        let own = shader.unused(&format!("{name}_sampler"));
+        let set = number(shader, &variables.qualifiers, "set").unwrap_or(0);
+        let free =
+            bindings.iter().filter(|b| b.set == set).map(|b| b.binding + 1).max().unwrap_or(0);
+        bindings.push(Binding { name: own.clone(), set, binding: free });
+        edits.replace(ty.start..ty.end, texture);
+        let end = shader.bytes(&variables.tokens).end;
+        edits.insert(
+            end,
+            format!(" layout(set = {set}, binding = {free}) uniform {sampler} {own};"),
+        );
+        scope.insert(name, Pair { joined: ty.text.to_string(), sampler: own });
+    }
+    scope
+}
+
+/// Splits the parameters of a function; returns what its body sees.
+fn parameters<'a>(
+    shader: &Shader<'a>,
+    function: &Function,
+    globals: &Scope<'a>,
+    edits: &mut Edits,
+    problems: &mut Vec<Diagnostic>,
+) -> Scope<'a> {
+    let mut scope = globals.clone();
+    for parameter in &function.parameters {
+        for at in parameter.tokens.clone().filter(|&at| shader.code[at].text == "const") {
+            edits.delete(shader.code[at].start..shader.code[at].end + 1);
+        }
+        let ty = shader.code[parameter.ty];
+        let name = parameter.name.map(|name| shader.code[name].text);
+        if !is_joined(ty.text) {
+            name.map(|name| scope.remove(name));
+            continue;
+        }
+        if !parameter.dims.is_empty() {
+            let message = "naga takes no arrays of textures";
+            problems.push(Diagnostic::error("not-portable", shader.span(parameter.ty), message));
+        }
+        let (texture, sampler) = parts(ty.text);
+        edits.replace(ty.start..ty.end, texture);
+        let own = name.map_or(String::new(), |name| shader.unused(&format!("{name}_sampler")));
+        let end = shader.bytes(&parameter.tokens).end;
+        edits.insert(end, format!(", {sampler} {own}").trim_end().to_string());
+        if let Some(name) = name {
+            scope.insert(name, Pair { joined: ty.text.to_string(), sampler: own });
+        }
+    }
+    scope
+}
+
+fn uses<'a>(
+    shader: &Shader<'a>,
+    body: &Tokens,
+    scope: &Scope<'a>,
+    takers: &FxHashMap<&str, Vec<usize>>,
+    bools: &FxHashSet<&str>,
+    edits: &mut Edits,
+) {
+    let mut handed_on = FxHashSet::default();
+    for at in body.clone() {
+        let token = shader.code[at];
+        if token.kind != Kind::Name || shader.code[at - 1].text == "." {
+            continue;
+        }
+        let called = shader.code.get(at + 1).is_some_and(|next| next.text == "(");
+        if let Some(taken) = takers.get(token.text).filter(|_| called) {
+            let given = arguments(shader, at + 1);
+            let own = taken.iter().filter_map(|index| given.get(*index));
+            handed_on.extend(own.filter(|argument| argument.len() == 1).map(|a| a.start));
+        }
+        if let Some(pair) = scope.get(token.text).filter(|_| !called) {
+            let text = if handed_on.contains(&at) {
+                format!("{}, {}", token.text, pair.sampler)
+            } else {
+                format!("{}({}, {})", pair.joined, token.text, pair.sampler)
+            };
+            edits.replace(token.start..token.end, text);
+        } else if bools.contains(token.text) && !called {
+            edits.replace(token.start..token.end, format!("({} != 0u)", token.text));
+        }
+    }
+}
+
+/// What naga reads wrongly without a word (as of 30.0.1).
+fn refuse(shader: &Shader<'_>, globals: &Scope<'_>, problems: &mut Vec<Diagnostic>) {
+    let members = shader.declarations.iter().flat_map(|declaration| match declaration {
+        Declaration::Block(block) => block.members.iter().collect(),
+        Declaration::Structure(structure) => structure.members.iter().collect(),
+        Declaration::Variables(variables) => vec![variables],
+        _ => Vec::new(),
+    });
+    for declarator in members.flat_map(|member| &member.declarators) {
+        if declarator.dims.len() > 1 {
+            let name = shader.code[declarator.name].text;
+            let message = format!("naga swaps the dimensions of `{name}`");
+            problems.push(
+                Diagnostic::error("not-portable", shader.span(declarator.name), message)
+                    .with_help("use an array of one dimension"),
+            );
+        }
+    }
+    let in_macro = shader.words().find(|&at| {
+        let token = &shader.raw.tokens[at];
+        token.active && token.directive.is_some() && globals.contains_key(shader.word(at))
+    });
+    if let Some(at) = in_macro {
+        let token = &shader.raw.tokens[at];
+        let span = crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
+        let message = format!("a macro uses the sampler `{}`", shader.word(at));
+        problems.push(
+            Diagnostic::error("not-portable", span, message)
+                .with_help("write out what the macro stands for"),
+        );
+    }
+}

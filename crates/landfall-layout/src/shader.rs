@@ -1,0 +1,96 @@
+//! The layouts of one shader: its text read, its blocks laid out, findings collected.
+
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::layout::BlockLayout;
+use crate::shape::{Override, Rules};
+use crate::source::{Files, Language, ReadOptions, Source, Stage};
+
+/// How a shader is laid out.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// How its text is read.
+    pub read: ReadOptions,
+    /// Lay every block out by these rules instead of its own.
+    pub rules: Option<Rules>,
+    /// Gather loose uniforms into one std140 block named `DefaultBlock`.
+    pub gather: bool,
+    /// Ask naga too, and note on each leaf where its answer differs.
+    pub naga: bool,
+}
+
+/// The layouts of one shader, and all there is to say about it.
+#[derive(Clone, Debug)]
+pub struct ShaderLayout {
+    /// The path as messages print it.
+    pub path: String,
+    /// The language it is written in.
+    pub language: Language,
+    /// The stage it is written for, where known.
+    pub stage: Option<Stage>,
+    /// Its blocks in the order of the text; loose uniforms come last.
+    pub blocks: Vec<BlockLayout>,
+    /// Specialisation constants and overrides that sizes depend on.
+    pub overrides: Vec<Override>,
+    /// The files it is made of: itself, then its includes.
+    pub files: Files,
+    /// Errors and warnings in the order they were found.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl ShaderLayout {
+    /// Whether any finding is an error: then some block may be missing.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|d| d.severity == Severity::Error)
+    }
+}
+
+/// Lays out every block of a shader.
+pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
+    let parsed = crate::syntax::parse(source, &options.read, options.gather);
+    let mut diagnostics = parsed.diagnostics;
+    let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
+    for mut block in parsed.shape.blocks {
+        if source.language == Language::Wgsl {
+            let found = crate::layout::attributes::check(&block);
+            if !found.is_empty() {
+                extend_once(&mut diagnostics, found);
+                continue;
+            }
+        }
+        if let Some(rules) = options.rules {
+            block.rules = rules;
+            block.rules_declared = true;
+        }
+        match crate::layout::lay_out(&block) {
+            Ok(layout) => {
+                extend_once(&mut diagnostics, crate::layout::uniform_constraints::check(&block));
+                diagnostics.extend(crate::layout::untold_order(&block, &layout));
+                blocks.push(layout);
+            }
+            Err(mut found) => diagnostics.append(&mut found),
+        }
+    }
+    #[cfg(feature = "naga")]
+    // naga is not asked about a text that is refused here: it panics on some of those.
+    if options.naga && !diagnostics.iter().any(|d| d.severity == Severity::Error) {
+        crate::naga_compare::ask(source, &parsed.bodies, &mut blocks);
+    }
+    ShaderLayout {
+        path: source.path.clone(),
+        language: source.language,
+        stage: source.stage,
+        blocks,
+        overrides: parsed.shape.overrides,
+        files: parsed.files,
+        diagnostics,
+    }
+}
+
+/// Two blocks of one structure have the same things said about it.
+fn extend_once(diagnostics: &mut Vec<Diagnostic>, found: Vec<Diagnostic>) {
+    for diagnostic in found {
+        if !diagnostics.contains(&diagnostic) {
+            diagnostics.push(diagnostic);
+        }
+    }
+}

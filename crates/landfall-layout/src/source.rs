@@ -1,0 +1,361 @@
+//! A shader's text as the user has it: path, language, stage, and the map from
+//! a byte back to file, line and column.
+//!
+//! Feeds [`parse`](mod@crate::syntax). Nothing here looks inside the text.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+use std::{fs, io};
+
+use crate::error::Error;
+use crate::file::reason;
+
+/// The language a shader is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Language {
+    /// GLSL: desktop 1.10 to 4.60, ES 1.00 to 3.20, and the Vulkan flavour.
+    Glsl,
+    /// WGSL.
+    Wgsl,
+}
+
+impl Language {
+    /// The name used in messages and JSON: `glsl` or `wgsl`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Language::Glsl => "glsl",
+            Language::Wgsl => "wgsl",
+        }
+    }
+}
+
+/// The pipeline stage a GLSL file is written for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum Stage {
+    Vertex,
+    TessellationControl,
+    TessellationEvaluation,
+    Geometry,
+    Fragment,
+    Compute,
+    Task,
+    Mesh,
+    RayGeneration,
+    Intersection,
+    AnyHit,
+    ClosestHit,
+    Miss,
+    Callable,
+}
+
+/// Every stage with its name in messages and JSON and the file extensions that mean it.
+const STAGES: &[(Stage, &str, &[&str])] = &[
+    (Stage::Vertex, "vertex", &["vert", "vs", "vsh", "vertex", "vshader"]),
+    (Stage::TessellationControl, "tess_control", &["tesc", "tcs", "cont"]),
+    (Stage::TessellationEvaluation, "tess_evaluation", &["tese", "tes", "eval"]),
+    (Stage::Geometry, "geometry", &["geom", "gs", "gsh"]),
+    (Stage::Fragment, "fragment", &["frag", "fs", "fsh", "ps", "fragment", "fshader"]),
+    (Stage::Compute, "compute", &["comp", "cs", "compute"]),
+    (Stage::Task, "task", &["task"]),
+    (Stage::Mesh, "mesh", &["mesh"]),
+    (Stage::RayGeneration, "ray_generation", &["rgen"]),
+    (Stage::Intersection, "intersection", &["rint"]),
+    (Stage::AnyHit, "any_hit", &["rahit"]),
+    (Stage::ClosestHit, "closest_hit", &["rchit"]),
+    (Stage::Miss, "miss", &["rmiss"]),
+    (Stage::Callable, "callable", &["rcall"]),
+];
+
+/// File extensions that say "a shader" without saying which stage.
+const STAGELESS: &[&str] = &["glsl", "glslinc", "glslh", "shader"];
+
+impl Stage {
+    /// The name used in messages and JSON, such as `fragment`.
+    pub fn name(self) -> &'static str {
+        STAGES
+            .iter()
+            .find(|row| row.0 == self)
+            .map(|row| row.1)
+            .expect("every stage has a row in STAGES")
+    }
+
+    /// The stage of that name or extension: `fragment` and `frag` are the same stage.
+    pub fn from_name(name: &str) -> Option<Stage> {
+        let name = name.to_ascii_lowercase();
+        STAGES.iter().find(|row| row.1 == name || row.2.contains(&name.as_str())).map(|row| row.0)
+    }
+
+    /// Every name [`Stage::from_name`] knows as a stage's own.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        STAGES.iter().map(|row| row.1)
+    }
+}
+
+/// A stage that runs here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Runs {
+    /// Vertex stage.
+    Vertex,
+    /// Fragment stage.
+    Fragment,
+    /// Compute stage.
+    Compute,
+}
+
+impl Runs {
+    /// It, if it runs.
+    pub fn of(stage: Stage) -> Option<Runs> {
+        match stage {
+            Stage::Vertex => Some(Runs::Vertex),
+            Stage::Fragment => Some(Runs::Fragment),
+            Stage::Compute => Some(Runs::Compute),
+            Stage::TessellationControl
+            | Stage::TessellationEvaluation
+            | Stage::Geometry
+            | Stage::Task
+            | Stage::Mesh
+            | Stage::RayGeneration
+            | Stage::Intersection
+            | Stage::AnyHit
+            | Stage::ClosestHit
+            | Stage::Miss
+            | Stage::Callable => None,
+        }
+    }
+}
+
+impl From<Runs> for Stage {
+    fn from(runs: Runs) -> Stage {
+        match runs {
+            Runs::Vertex => Stage::Vertex,
+            Runs::Fragment => Stage::Fragment,
+            Runs::Compute => Stage::Compute,
+        }
+    }
+}
+
+/// One shader: what it is called, what it is written in, and its text.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// The path as messages print it; need not exist.
+    pub path: String,
+    /// The text, without a byte-order mark.
+    pub text: Arc<str>,
+    /// The language, from the extension unless set.
+    pub language: Language,
+    /// The stage, from the extension unless set; WGSL has none.
+    pub stage: Option<Stage>,
+}
+
+impl Source {
+    /// A shader from text in memory; language and stage come from the path's extension.
+    pub fn new(path: impl Into<String>, text: impl Into<Arc<str>>) -> Source {
+        let path = path.into();
+        let (language, stage) = kind_of_path(Path::new(&path)).unwrap_or((Language::Glsl, None));
+        let text: Arc<str> = text.into();
+        let text = match text.strip_prefix('\u{feff}') {
+            Some(rest) => Arc::from(rest),
+            None => text,
+        };
+        Source { path, text, language, stage }
+    }
+
+    /// Reads a shader from a file.
+    ///
+    /// # Errors
+    /// The file cannot be read, is a directory, or is not UTF-8.
+    pub fn read(path: impl AsRef<Path>) -> Result<Source, Error> {
+        let path = path.as_ref();
+        Ok(Source::new(path.display().to_string(), read_text(path)?))
+    }
+}
+
+/// What a path's extension says of a file: `None` when it is no shader's.
+pub fn kind_of_path(path: &Path) -> Option<(Language, Option<Stage>)> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    if extension == "wgsl" {
+        return Some((Language::Wgsl, None));
+    }
+    if let Some(stage) = stage_of_extension(&extension) {
+        return Some((Language::Glsl, Some(stage)));
+    }
+    if STAGELESS.contains(&extension.as_str()) {
+        // `light.frag.glsl`: the inner extension says the stage; `shaders/fs.glsl`: the stem may.
+        let stem = Path::new(path.file_stem()?);
+        let inner = stem.extension().or(Some(stem.as_os_str()))?.to_str()?;
+        return Some((Language::Glsl, stage_of_extension(&inner.to_ascii_lowercase())));
+    }
+    None
+}
+
+fn stage_of_extension(extension: &str) -> Option<Stage> {
+    STAGES.iter().find(|row| row.2.contains(&extension)).map(|row| row.0)
+}
+
+/// Reads a whole text file, telling apart the ways in which it may not be one.
+pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
+    let shown = path.display().to_string();
+    let bytes = fs::read(path).map_err(|cause| match cause.kind() {
+        io::ErrorKind::IsADirectory => {
+            Error::new(&shown, "is a directory, not a shader file").unreadable()
+        }
+        _ => Error::new(&shown, format!("cannot be read: {}", reason(&cause))).unreadable(),
+    })?;
+    decode(&shown, bytes)
+}
+
+/// The text of a file's bytes: UTF-8, with or without a byte-order mark.
+///
+/// # Errors
+/// UTF-16, binary data and other encodings are named, with line and column of the first bad byte.
+pub fn decode(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
+    decoded(path, bytes).map_err(Error::unreadable)
+}
+
+fn decoded(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(
+            Error::new(path, "is UTF-16, but read as UTF-8").with_help("save the file as UTF-8")
+        );
+    }
+    let text = match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => {
+            let at = error.utf8_error().valid_up_to();
+            let bytes = error.as_bytes();
+            let before = &bytes[..at];
+            let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
+            let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+            let column = String::from_utf8_lossy(&before[line_start..]).chars().count() + 1;
+            let message =
+                format!("is not UTF-8: byte 0x{:02x} at line {line}, column {column}", bytes[at]);
+            return Err(Error::new(path, message).with_help("save the file as UTF-8"));
+        }
+    };
+    if let Some(at) = text.find('\0') {
+        let message = format!("is not text: a zero byte at offset {at}");
+        return Err(Error::new(path, message));
+    }
+    Ok(text)
+}
+
+/// A place in one of the files a shader is made of: a byte range.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Span {
+    /// Index into [`Files`].
+    pub file: u32,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+impl Span {
+    /// From the start of `self` to the end of `other`, when both are in one file.
+    pub fn to(self, other: Span) -> Span {
+        if self.file == other.file && other.end >= self.start {
+            Span { end: other.end, ..self }
+        } else {
+            self
+        }
+    }
+}
+
+/// A file that took part in a shader: the shader itself is the first, its includes follow.
+#[derive(Clone, Debug)]
+pub struct File {
+    /// The path as messages print it.
+    pub path: String,
+    /// The text.
+    pub text: Arc<str>,
+    /// Where its lines start, found when first asked for.
+    lines: OnceLock<Vec<u32>>,
+}
+
+impl File {
+    fn lines(&self) -> &[u32] {
+        self.lines.get_or_init(|| {
+            let ends = memchr::memchr_iter(b'\n', self.text.as_bytes());
+            std::iter::once(0).chain(ends.map(|end| end as u32 + 1)).collect()
+        })
+    }
+}
+
+/// The files of one shader, and the way from a [`Span`] to line and column.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    files: Vec<File>,
+}
+
+/// A place as people read it. Line and column count from 1; the column counts characters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    /// The path as messages print it.
+    pub path: String,
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in characters, from 1.
+    pub column: u32,
+}
+
+impl Files {
+    /// Adds a file and returns its index for [`Span::file`].
+    pub fn add(&mut self, path: impl Into<String>, text: Arc<str>) -> u32 {
+        self.files.push(File { path: path.into(), text, lines: OnceLock::new() });
+        self.files.len() as u32 - 1
+    }
+
+    /// The file of that index.
+    pub fn get(&self, file: u32) -> Option<&File> {
+        self.files.get(file as usize)
+    }
+
+    /// All files, the shader first.
+    pub fn iter(&self) -> impl Iterator<Item = &File> {
+        self.files.iter()
+    }
+
+    /// The text a span covers.
+    pub fn text(&self, span: Span) -> &str {
+        self.get(span.file)
+            .and_then(|file| file.text.get(span.start as usize..span.end as usize))
+            .unwrap_or("")
+    }
+
+    /// Line and column of a span's first byte.
+    pub fn locate(&self, span: Span) -> Location {
+        let Some(file) = self.get(span.file) else {
+            return Location { path: String::new(), line: 0, column: 0 };
+        };
+        let start = (span.start as usize).min(file.text.len());
+        let lines = file.lines();
+        let line = lines.partition_point(|&line| line as usize <= start);
+        let before = &file.text.as_bytes()[lines[line - 1] as usize..start];
+        // Continuation bytes of UTF-8 do not start a character.
+        let column = before.iter().filter(|&&b| b & 0xc0 != 0x80).count() as u32 + 1;
+        Location { path: file.path.clone(), line: line as u32, column }
+    }
+}
+
+/// Which API a GLSL text is meant for, where its own text does not say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// OpenGL and OpenGL ES: `VULKAN` is not defined, block rules default to `shared`.
+    OpenGl,
+    /// Vulkan: `VULKAN` is 100, block rules default to std140 and std430.
+    Vulkan,
+}
+
+/// What a shader is read with besides its own text.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// Macros defined before the first line: name and text, as `-D NAME=TEXT`.
+    pub defines: Vec<(String, String)>,
+    /// Directories searched for `#include`, in order, as `-I DIR`.
+    pub include_dirs: Vec<PathBuf>,
+    /// Values of specialisation constants and overrides by name or number, as `-O NAME=VALUE`.
+    pub overrides: Vec<(String, String)>,
+    /// The API a GLSL text is meant for; `None` decides by the text.
+    pub target: Option<Target>,
+}

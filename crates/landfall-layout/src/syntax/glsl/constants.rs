@@ -1,0 +1,175 @@
+//! Constants that sizes are computed from: `const` variables and
+//! specialisation constants.
+
+use rustc_hash::FxHashMap;
+
+use super::declarations::Reader;
+use super::expression;
+use super::expression::{Names, Problem};
+use super::lexer::Token;
+use super::qualifiers::Qualifiers;
+use crate::shape::Override;
+use crate::source::Span;
+use crate::syntax::constant::{Kind as Scalar, Value};
+
+/// Constants may be defined by each other this many times over.
+const DEEPEST_CHAIN: u32 = 64;
+
+/// A `const` of the shader.
+#[derive(Clone, Debug)]
+pub(super) struct Constant<'a> {
+    definition: Definition<'a>,
+    /// Indices of the specialisation constants its value comes from.
+    overrides: Vec<usize>,
+}
+
+#[derive(Clone, Debug)]
+enum Definition<'a> {
+    /// A scalar, evaluated where it is declared.
+    Value(Result<Value, Problem>),
+    /// A vector or array, evaluated where it is used.
+    Later(Vec<Token<'a>>),
+}
+
+/// The constants of a shader, by name.
+#[derive(Debug, Default)]
+pub(super) struct Constants<'a> {
+    by_name: FxHashMap<&'a str, Constant<'a>>,
+    /// Specialisation constants in the order of the text.
+    pub overrides: Vec<Override>,
+    /// Which of them an array size depends on.
+    pub used: Vec<bool>,
+}
+
+/// Looks names up while one expression is evaluated.
+struct Lookup<'c, 'a> {
+    constants: &'c Constants<'a>,
+    overrides: Vec<usize>,
+    depth: u32,
+}
+
+impl<'a> Names<'a> for Lookup<'_, 'a> {
+    fn value(&mut self, name: &Token<'a>) -> Result<Value, Problem> {
+        let Some(constant) = self.constants.by_name.get(name.text) else {
+            let message = if name.text.starts_with("gl_Max") {
+                format!("depends on the driver's `{0}`; give its value with `-D {0}=N`", name.text)
+            } else {
+                format!("is not constant: `{}` is no constant of this shader", name.text)
+            };
+            return Err(Problem::new(name.span, message));
+        };
+        self.overrides.extend(&constant.overrides);
+        match &constant.definition {
+            Definition::Value(value) => {
+                value.clone().map_err(|problem| Problem::new(name.span, problem.message))
+            }
+            Definition::Later(tokens) => {
+                if self.depth == DEEPEST_CHAIN {
+                    return Err(Problem::new(name.span, "goes through too many constants"));
+                }
+                self.depth += 1;
+                let value = expression::evaluate(tokens, name.span, self);
+                self.depth -= 1;
+                value
+            }
+        }
+    }
+}
+
+impl<'a> Constants<'a> {
+    fn evaluate(&self, tokens: &[Token<'a>], span: Span) -> (Result<Value, Problem>, Vec<usize>) {
+        let mut names = Lookup { constants: self, overrides: Vec::new(), depth: 0 };
+        let value = expression::evaluate(tokens, span, &mut names);
+        (value, names.overrides)
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// The value of a whole-number constant expression that a size depends on.
+    pub(super) fn constant_integer(
+        &mut self,
+        tokens: &[Token<'a>],
+        span: Span,
+    ) -> Result<i128, Problem> {
+        let (value, overrides) = self.constants.evaluate(tokens, span);
+        for index in overrides {
+            self.constants.used[index] = true;
+        }
+        let first = tokens.first().map_or(span, |token| token.span);
+        value?.integer().ok_or_else(|| Problem::new(first, "is no whole number"))
+    }
+
+    /// Notes a `const`; `scalar` is its type when it is a single number.
+    pub(super) fn add_constant(
+        &mut self,
+        name: Token<'a>,
+        scalar: Option<Scalar>,
+        qualifiers: &Qualifiers<'a>,
+        initialiser: Vec<Token<'a>>,
+    ) {
+        let constant = match scalar {
+            None => Constant { definition: Definition::Later(initialiser), overrides: Vec::new() },
+            Some(kind) => {
+                let (value, mut overrides) = self.constants.evaluate(&initialiser, name.span);
+                let convert = |value: Value| {
+                    let wrong = |_| Problem::new(name.span, "is given a value of another type");
+                    value.convert(kind).map_err(wrong)
+                };
+                let mut value = value.and_then(convert);
+                if qualifiers.find("constant_id").is_some() {
+                    value = self.specialise(name, kind, qualifiers, value);
+                    overrides = vec![self.constants.overrides.len() - 1];
+                }
+                Constant { definition: Definition::Value(value), overrides }
+            }
+        };
+        self.constants.by_name.insert(name.text, constant);
+    }
+
+    /// Notes a specialisation constant: its value is what `-O` gives, or its default.
+    fn specialise(
+        &mut self,
+        name: Token<'a>,
+        kind: Scalar,
+        qualifiers: &Qualifiers<'a>,
+        default: Result<Value, Problem>,
+    ) -> Result<Value, Problem> {
+        let id = qualifiers.find("constant_id").and_then(|id| {
+            let value = self.constants.evaluate(&id.value, name.span).0.ok()?;
+            u32::try_from(value.integer()?).ok()
+        });
+        let number = id.map(|id| id.to_string());
+        let given = self
+            .options()
+            .overrides
+            .iter()
+            .rev()
+            .find(|(key, _)| key == name.text || Some(key) == number.as_ref());
+        let value = match given {
+            None => default,
+            Some((_, text)) => parse_given(text)
+                .and_then(|value| value.convert(kind).ok())
+                .ok_or_else(|| Problem::new(name.span, format!("is given `{text}`, no number"))),
+        };
+        let integer = value.as_ref().ok().and_then(Value::integer);
+        self.constants.overrides.push(Override {
+            name: name.text.into(),
+            id,
+            value: integer.and_then(|v| i64::try_from(v).ok()),
+        });
+        self.constants.used.push(false);
+        value
+    }
+}
+
+/// A number as the command line gives it.
+fn parse_given(text: &str) -> Option<Value> {
+    match text {
+        "true" => Some(Value::Bool(true)),
+        "false" => Some(Value::Bool(false)),
+        _ => match text.parse() {
+            Ok(integer) => Some(Value::Long(integer)),
+            Err(_) => text.parse().ok().map(Value::Float),
+        },
+    }
+}

@@ -1,0 +1,391 @@
+//! Directives: what a line that begins with `#` does to the stream of tokens.
+
+use std::rc::Rc;
+
+use super::expression;
+use super::expression::{Names, Problem};
+use super::lexer::{Kind, Lexer, Stop, Token};
+use super::macros::Macro;
+use super::preprocess::{Frame, Preprocessor, Profile, Version};
+use crate::diagnostic::Diagnostic;
+use crate::source::{Span, Target};
+use crate::syntax::constant::Value;
+
+/// An `#if` that is not yet closed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Condition {
+    /// The directive that opened it.
+    span: Span,
+    /// Whether one of its branches was taken.
+    taken: bool,
+    /// Whether `#else` was seen.
+    in_else: bool,
+}
+
+/// What a version that is not known is read as.
+const NEWEST: u32 = 460;
+
+/// Versions there are (GLSL 4.60 §3.3, GLSL ES 3.20 §3.4), whether they are ES, and their text.
+const VERSIONS: &[(u32, bool, &str)] = &[
+    (100, true, "100"),
+    (110, false, "110"),
+    (120, false, "120"),
+    (130, false, "130"),
+    (140, false, "140"),
+    (150, false, "150"),
+    (300, true, "300"),
+    (310, true, "310"),
+    (320, true, "320"),
+    (330, false, "330"),
+    (400, false, "400"),
+    (410, false, "410"),
+    (420, false, "420"),
+    (430, false, "430"),
+    (440, false, "440"),
+    (450, false, "450"),
+    (460, false, "460"),
+];
+
+impl<'a> Preprocessor<'a> {
+    /// Defines what the command line gives and what the language predefines.
+    pub(super) fn define_given(&mut self) {
+        for (name, text) in &self.options.defines {
+            let text = self.keep(&format!("{name} {text}"));
+            let path = format!("-D {name}");
+            let file = self.files.add(path, text.into());
+            self.define_from(Lexer::new(text, file));
+        }
+    }
+
+    /// What a macro of the language's own stands for, unless the shader took it away.
+    pub(super) fn predefined(&self, name: &str) -> Option<&'static str> {
+        let Version { number, es, profile } = self.version;
+        let there = match name {
+            "__VERSION__" => return VERSIONS.iter().find(|row| row.0 == number).map(|row| row.2),
+            "GL_ES" | "GL_FRAGMENT_PRECISION_HIGH" => es,
+            "GL_es_profile" => es && number >= 150,
+            "GL_core_profile" => !es && number >= 150 && profile == Profile::Core,
+            "GL_compatibility_profile" => !es && profile == Profile::Compatibility,
+            // GL_KHR_vulkan_glsl: `#define VULKAN 100`.
+            "VULKAN" if self.target() == Some(Target::Vulkan) => return Some("100"),
+            _ => false,
+        };
+        there.then_some("1")
+    }
+
+    /// Obeys a directive whose `#` was just read.
+    pub(super) fn directive(&mut self, hash: Token<'a>) {
+        self.obeyed.push(hash.span);
+        let Some(name) = self.on_line() else { return };
+        match name.text {
+            "define" => self.define(),
+            "undef" => {
+                if let Some(name) = self.on_line() {
+                    self.macros.remove(name.text);
+                    self.undefined.push(name.text);
+                }
+            }
+            "if" => self.open(hash, Self::condition),
+            "ifdef" => self.open(hash, |this, at| this.is_defined(at)),
+            "ifndef" => self.open(hash, |this, at| this.is_defined(at).map(|found| !found)),
+            // The branch before was taken, so this one and the rest are not.
+            "elif" | "else" if self.in_condition() => self.leave_out(),
+            "endif" if self.in_condition() => {
+                self.conditions.pop();
+            }
+            "elif" | "else" | "endif" => {
+                let message = format!("`#{}` without `#if`", name.text);
+                self.report(Diagnostic::error("unmatched-directive", name.span, message));
+            }
+            "include" => return self.include(name),
+            "version" => self.set_version(name),
+            "extension" => self.extension(),
+            "error" => {
+                let text = self.rest_of_line().trim();
+                let message = format!("`#error {text}`");
+                self.report(
+                    Diagnostic::error("error-directive", name.span, message).with_help(
+                        "define what the shader asks for, as `-D NAME` or `-D NAME=VALUE`",
+                    ),
+                );
+            }
+            // Macros are expanded in `#line` and nothing here counts lines by it.
+            "pragma" | "line" => {}
+            _ => {
+                let message = format!("there is no directive `#{}`", name.text);
+                self.report(Diagnostic::error("unknown-directive", name.span, message));
+            }
+        }
+        self.finish_line();
+    }
+
+    fn on_line(&mut self) -> Option<Token<'a>> {
+        match self.frames.last_mut() {
+            Some(Frame::File { lexer, .. }) => lexer.next_on_line(&mut self.comments),
+            _ => None,
+        }
+    }
+
+    fn line(&mut self) -> Vec<Token<'a>> {
+        std::iter::from_fn(|| self.on_line()).collect()
+    }
+
+    fn finish_line(&mut self) {
+        while self.on_line().is_some() {}
+    }
+
+    pub(super) fn rest_of_line(&mut self) -> &'a str {
+        match self.frames.last_mut() {
+            Some(Frame::File { lexer, .. }) => lexer.rest_of_line(),
+            _ => "",
+        }
+    }
+
+    fn define(&mut self) {
+        let Some(Frame::File { lexer, .. }) = self.frames.last() else { return };
+        let after = self.define_from(lexer.clone());
+        if let Some(Frame::File { lexer, .. }) = self.frames.last_mut() {
+            *lexer = after;
+        }
+    }
+
+    /// Reads `NAME BODY` or `NAME(PARAMETERS) BODY` up to the end of the line.
+    fn define_from(&mut self, mut lexer: Lexer<'a>) -> Lexer<'a> {
+        let comments = &mut self.comments;
+        let Some(name) = lexer.next_on_line(comments).filter(|t| t.kind == Kind::Name) else {
+            return lexer;
+        };
+        let mut tokens: Vec<Token<'a>> =
+            std::iter::from_fn(|| lexer.next_on_line(comments)).collect();
+        let mut parameters = None;
+        if tokens.first().is_some_and(|t| t.is("(") && !t.spaced) {
+            let close = tokens.iter().position(|t| t.is(")")).unwrap_or(tokens.len() - 1);
+            let names = tokens[1..close].iter().filter(|t| t.kind == Kind::Name);
+            parameters = Some(names.map(|t| t.text).collect());
+            tokens.drain(..=close);
+        }
+        let definition = Macro { name: name.text, parameters, body: tokens, span: name.span };
+        self.brace_macros |= definition.has_unpaired_brace();
+        if let Some(before) = self.macros.get(name.text) {
+            let given = self.files.get(before.span.file).is_some_and(|f| f.path.starts_with("-D "));
+            if given && !before.same_as(&definition) {
+                // What the command line defines stands: that is what it is given for.
+                let message = format!("macro `{}` keeps the text given with `-D`", name.text);
+                self.diagnostics.push(Diagnostic::warning("macro-redefined", name.span, message));
+            }
+            if given {
+                return lexer;
+            }
+            if !before.same_as(&definition) {
+                let message = format!("macro `{}` is defined again with another text", name.text);
+                let warning = Diagnostic::warning("macro-redefined", name.span, message)
+                    .with_label(before.span, "defined before here");
+                self.diagnostics.push(warning);
+            }
+        }
+        self.macros.insert(name.text, Rc::new(definition));
+        lexer
+    }
+
+    /// Opens a condition; its branch is read on or left out.
+    fn open(
+        &mut self,
+        hash: Token<'a>,
+        holds: impl FnOnce(&mut Self, Span) -> Result<bool, Problem>,
+    ) {
+        let holds = self.holds(hash.span, holds);
+        self.conditions.push(Condition { span: hash.span, taken: holds, in_else: false });
+        if !holds {
+            self.finish_line();
+            self.leave_out();
+        }
+    }
+
+    fn holds(
+        &mut self,
+        span: Span,
+        holds: impl FnOnce(&mut Self, Span) -> Result<bool, Problem>,
+    ) -> bool {
+        match holds(self, span) {
+            Ok(holds) => holds,
+            Err(problem) => {
+                let message = format!("the condition {}", problem.message);
+                self.report(Diagnostic::error("condition", problem.span, message));
+                false
+            }
+        }
+    }
+
+    fn is_defined(&mut self, at: Span) -> Result<bool, Problem> {
+        match self.on_line() {
+            Some(name) if name.kind == Kind::Name => Ok(self.knows(name.text)),
+            Some(other) => Err(Problem::new(other.span, "wants the name of a macro")),
+            None => Err(Problem::new(at, "lacks the name of a macro")),
+        }
+    }
+
+    fn knows(&self, name: &str) -> bool {
+        self.macros.contains_key(name)
+            || matches!(name, "__LINE__" | "__FILE__")
+            || (self.predefined(name).is_some() && !self.undefined.contains(&name))
+            || is_common_extension(name, self.version.es)
+    }
+
+    fn condition(&mut self, at: Span) -> Result<bool, Problem> {
+        let line = self.line();
+        let mut tokens = Vec::with_capacity(line.len());
+        let mut rest = line.iter().peekable();
+        // `defined` takes its name before macros are expanded.
+        while let Some(token) = rest.next() {
+            if !token.is("defined") {
+                tokens.push(*token);
+                continue;
+            }
+            let bracket = rest.next_if(|t| t.is("(")).is_some();
+            let name = rest.next().filter(|t| t.kind == Kind::Name);
+            let name = name.ok_or_else(|| Problem::new(token.span, "lacks the name of a macro"))?;
+            if bracket && rest.next_if(|t| t.is(")")).is_none() {
+                return Err(Problem::new(name.span, "lacks `)` after the name of a macro"));
+            }
+            let text = if self.knows(name.text) { "1" } else { "0" };
+            tokens.push(Token { kind: Kind::Number, text, ..*name });
+        }
+        let tokens = self.expand_alone(&tokens);
+        if tokens.is_empty() {
+            return Err(Problem::new(at, "is empty"));
+        }
+        let value = expression::evaluate(&tokens, at, &mut Undefined { es: self.version.es })?;
+        value.integer().map(|v| v != 0).ok_or_else(|| Problem::new(at, "is no whole number"))
+    }
+
+    fn in_condition(&self) -> bool {
+        let outside = match self.frames.last() {
+            Some(Frame::File { conditions, .. }) => *conditions,
+            _ => 0,
+        };
+        self.conditions.len() > outside
+    }
+
+    /// Passes the branches that are left out, up to the one that holds or the `#endif`.
+    fn leave_out(&mut self) {
+        let mut depth = 0u32;
+        loop {
+            let stop = match self.frames.last_mut() {
+                Some(Frame::File { lexer, .. }) => lexer.skip_to_directive(),
+                _ => return,
+            };
+            if stop == Stop::End {
+                return; // reported as an open condition
+            }
+            let hash = self.on_line();
+            let (Some(hash), Some(name)) = (hash, self.on_line()) else { continue };
+            match name.text {
+                "if" | "ifdef" | "ifndef" => depth += 1,
+                "endif" if depth > 0 => depth -= 1,
+                "endif" => {
+                    self.conditions.pop();
+                    return;
+                }
+                "else" | "elif" if depth > 0 => {}
+                "else" | "elif" => {
+                    let open = self.conditions.last().copied();
+                    let Some(open) = open else { return };
+                    if open.in_else {
+                        let message = format!("`#{}` after `#else`", name.text);
+                        self.report(
+                            Diagnostic::error("unmatched-directive", name.span, message)
+                                .with_label(open.span, "of this condition"),
+                        );
+                    }
+                    let holds = !open.taken
+                        && (name.text == "else" || self.holds(hash.span, Self::condition));
+                    if let Some(open) = self.conditions.last_mut() {
+                        open.taken |= holds;
+                        open.in_else |= name.text == "else";
+                    }
+                    if holds {
+                        return;
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// At the end of a file: conditions it opened and did not close.
+    pub(super) fn check_open_conditions(&mut self) {
+        while self.in_condition() {
+            if let Some(open) = self.conditions.pop() {
+                let message = "`#if` without `#endif`";
+                self.report(Diagnostic::error("unmatched-directive", open.span, message));
+            }
+        }
+    }
+
+    fn set_version(&mut self, name: Token<'a>) {
+        let line = self.line();
+        if self.frames.len() > 1 {
+            return; // an include's own version is not this shader's
+        }
+        let number = line.first().and_then(|t| t.text.parse::<u32>().ok());
+        let Some(number) = number else {
+            let message = "`#version` lacks its number";
+            self.report(Diagnostic::error("version", name.span, message));
+            return;
+        };
+        let known = VERSIONS.iter().find(|row| row.0 == number);
+        if known.is_none() {
+            let message = format!("there is no GLSL version {number}");
+            let warning = Diagnostic::warning("version", line[0].span, message);
+            self.diagnostics.push(warning.with_note("read as the newest version, 460"));
+        }
+        let es = known.is_some_and(|row| row.1) || line.get(1).is_some_and(|t| t.is("es"));
+        let number = known.map_or(NEWEST, |row| row.0);
+        let compatibility = line.get(1).is_some_and(|t| t.is("compatibility"));
+        let profile = if compatibility { Profile::Compatibility } else { Profile::Core };
+        self.version = Version { number, es, profile };
+    }
+
+    /// An extension that is asked for is taken to be there, with its macro.
+    fn extension(&mut self) {
+        let line = self.line();
+        let [name, colon, behaviour, ..] = line.as_slice() else { return };
+        if colon.is(":") && matches!(behaviour.text, "enable" | "require" | "warn") {
+            self.extensions.push(name.text);
+            if !self.macros.contains_key(name.text) {
+                let text = self.keep("1");
+                let body = vec![Lexer::new(text, 0).next(&mut Vec::new())];
+                let macro_ = Macro { name: name.text, parameters: None, body, span: name.span };
+                self.macros.insert(name.text, Rc::new(macro_));
+            }
+        }
+    }
+}
+
+/// Whether a name is that of an extension that is taken to be there when a shader asks with
+/// `#ifdef`: the ones several vendors share. Those of one vendor are not, unless enabled.
+fn is_common_extension(name: &str, es: bool) -> bool {
+    let Some((vendor, rest)) = name.strip_prefix("GL_").and_then(|n| n.split_once('_')) else {
+        return false;
+    };
+    let common = match vendor {
+        "EXT" | "KHR" | "GOOGLE" => true,
+        "ARB" => !es,
+        "OES" => es,
+        _ => false,
+    };
+    common && rest.starts_with(|c: char| c.is_ascii_lowercase())
+}
+
+/// In an `#if`, a name that is no macro is 0.
+struct Undefined {
+    es: bool,
+}
+
+impl<'a> Names<'a> for Undefined {
+    const DIRECTIVE: bool = true;
+
+    fn value(&mut self, name: &Token<'a>) -> Result<Value, Problem> {
+        Ok(Value::Long(is_common_extension(name.text, self.es).into()))
+    }
+}

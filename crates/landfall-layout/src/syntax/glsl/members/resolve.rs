@@ -1,0 +1,121 @@
+//! What the name of a type comes to: a type with bytes, a handle, or nothing.
+//!
+//! Goes by the structures that [`declarations`](crate::syntax::glsl::declarations) has read.
+
+use std::sync::Arc;
+
+use crate::diagnostic::Diagnostic;
+use crate::shape::{Struct, Type};
+use crate::syntax::glsl::declarations::{Named, Reader};
+use crate::syntax::glsl::lexer::Token;
+use crate::syntax::glsl::types::{Builtin, builtin};
+use crate::text::edit_distance::nearest;
+
+/// How a declaration says its type.
+#[derive(Clone, Debug)]
+pub(in crate::syntax::glsl) enum TypeName<'a> {
+    /// By name.
+    Name(Token<'a>),
+    /// As a structure declared on the spot.
+    Declared(Named<'a>),
+}
+
+/// What a type name comes to.
+pub(in crate::syntax::glsl) enum Resolved {
+    Data(Type),
+    Opaque,
+    /// Said already why it cannot be used.
+    Broken,
+}
+
+impl<'a> TypeName<'a> {
+    pub(super) fn text(&self) -> &'a str {
+        match self {
+            TypeName::Name(token) => token.text,
+            TypeName::Declared(_) => "struct",
+        }
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// What a type name means; unknown and broken ones are told into `problems`.
+    pub(in crate::syntax::glsl) fn resolve(
+        &mut self,
+        ty: &TypeName<'a>,
+        owner: &Token<'a>,
+        problems: &mut Vec<Diagnostic>,
+    ) -> Resolved {
+        let token = match ty {
+            TypeName::Name(token) => *token,
+            TypeName::Declared(Named::Struct(s)) => return of_struct(s),
+            TypeName::Declared(Named::Reference) => return Resolved::Broken,
+            TypeName::Declared(Named::Broken { why, .. }) => {
+                problems.extend(why.iter().cloned());
+                return Resolved::Broken;
+            }
+        };
+        match self.types.get_mut(token.text) {
+            Some(Named::Struct(s)) => return of_struct(s),
+            Some(Named::Reference) => return Resolved::Data(Type::Address(token.text.into())),
+            Some(Named::Broken { why, told, .. }) => {
+                if !*told {
+                    *told = true;
+                    problems.append(&mut why.clone());
+                } else {
+                    let message = format!("`{}` cannot be laid out, see above", token.text);
+                    problems.push(self.diagnostic(&token, "broken-type", message));
+                }
+                return Resolved::Broken;
+            }
+            None => {}
+        }
+        match builtin(token.text) {
+            Some(Builtin::Data(ty)) => return Resolved::Data(ty),
+            Some(Builtin::Opaque) => return Resolved::Opaque,
+            Some(Builtin::Void) | None => {}
+        }
+        let diagnostic = if token.text == owner.text {
+            let message = format!("structure `{}` contains itself", token.text);
+            self.diagnostic(&token, "recursive-struct", message)
+                .with_note("its size would have no end")
+        } else {
+            let message = format!("there is no type `{}`", token.text);
+            let diagnostic = self.diagnostic(&token, "unknown-type", message);
+            let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
+            match nearest(token.text, known) {
+                Some(name) => diagnostic.with_help(format!("did you mean `{name}`?")),
+                None => diagnostic.with_help("a structure is declared before it is used"),
+            }
+        };
+        problems.push(diagnostic);
+        Resolved::Broken
+    }
+}
+
+/// A structure of handles only is a handle itself.
+fn of_struct(s: &Arc<Struct>) -> Resolved {
+    if s.members.is_empty() { Resolved::Opaque } else { Resolved::Data(Type::Struct(s.clone())) }
+}
+
+/// Types a misspelt name is compared with.
+const COMMON_TYPES: &[&str] = &[
+    "float",
+    "int",
+    "uint",
+    "bool",
+    "double",
+    "vec2",
+    "vec3",
+    "vec4",
+    "ivec2",
+    "ivec3",
+    "ivec4",
+    "uvec2",
+    "uvec3",
+    "uvec4",
+    "mat2",
+    "mat3",
+    "mat4",
+    "sampler2D",
+    "samplerCube",
+];

@@ -1,0 +1,193 @@
+//! Macros where they are used: their arguments read, their bodies put in front of the stream.
+//!
+//! Called by [`preprocess`](super) for every name.
+
+use super::{Frame, Preprocessor};
+use crate::diagnostic::Diagnostic;
+use crate::syntax::glsl::lexer::{Kind, Token};
+use crate::syntax::glsl::macros::{Macro, paste};
+
+/// Tokens that macros may expand to in one shader; beyond lies a text made to exhaust memory.
+const MOST_EXPANDED: usize = 1 << 20;
+
+/// Deepest nesting of macro calls inside the arguments of macro calls.
+const DEEPEST_ARGUMENTS: u32 = 64;
+
+impl<'a> Preprocessor<'a> {
+    /// Expands a name if it is a macro; `None` when its expansion was put in front of the stream.
+    pub(super) fn expand(&mut self, mut token: Token<'a>) -> Option<Token<'a>> {
+        if token.text.starts_with("__") {
+            if let Some(text) = self.line_or_file(&token) {
+                return Some(Token { kind: Kind::Number, text, ..token });
+            }
+        }
+        let Some(definition) = self.macros.get(token.text).cloned() else {
+            if self.undefined.contains(&token.text) {
+                return Some(token);
+            }
+            return Some(match self.predefined(token.text) {
+                Some(text) => Token { kind: Kind::Number, text, ..token },
+                None => token,
+            });
+        };
+        let active = self.frames.iter().any(|frame| match frame {
+            Frame::Macro { name, .. } => *name == token.text,
+            Frame::File { .. } | Frame::Tokens { .. } => false,
+        });
+        if active {
+            token.frozen = true;
+            return Some(token);
+        }
+        let tokens = match &definition.parameters {
+            None => definition.body.iter().map(|t| at_use(t, &token)).collect(),
+            Some(parameters) => {
+                let open = self.next_raw();
+                if !open.is("(") {
+                    if open.kind != Kind::End {
+                        self.frames.push(Frame::Tokens { tokens: vec![open], at: 0 });
+                    }
+                    return Some(token);
+                }
+                let arguments = self.arguments(&token, parameters.len())?;
+                self.substitute(&definition, parameters, &arguments, &token)
+            }
+        };
+        self.expanded += tokens.len() + 1;
+        if self.expanded > MOST_EXPANDED {
+            self.stopped = true;
+            self.diagnostics.push(
+                Diagnostic::error(
+                    "macro-bomb",
+                    token.span,
+                    format!("macros expand to more than {MOST_EXPANDED} tokens"),
+                )
+                .with_help("look for macros that use each other several times over"),
+            );
+            return None;
+        }
+        let tokens = paste(tokens, self.texts);
+        self.frames.push(Frame::Macro { name: definition.name, tokens, at: 0 });
+        None
+    }
+
+    /// The arguments of a macro call, `(` passed; `None` when the call is broken.
+    fn arguments(&mut self, name: &Token<'a>, wanted: usize) -> Option<Vec<Vec<Token<'a>>>> {
+        let mut arguments = vec![Vec::new()];
+        let mut depth = 0u32;
+        loop {
+            let token = self.next_raw();
+            match token.text {
+                _ if token.kind == Kind::End => {
+                    let message = format!("the call of macro `{}` is never closed", name.text);
+                    self.report(Diagnostic::error("macro-call", name.span, message));
+                    return None;
+                }
+                ")" if depth == 0 => break,
+                "," if depth == 0 => {
+                    arguments.push(Vec::new());
+                    continue;
+                }
+                "(" => depth += 1,
+                ")" => depth -= 1,
+                _ => {}
+            }
+            arguments.last_mut().expect("there is always a current argument").push(token);
+        }
+        if wanted == 0 && arguments.len() == 1 && arguments[0].is_empty() {
+            arguments.clear();
+        }
+        if arguments.len() != wanted {
+            let message = format!(
+                "macro `{}` takes {wanted} arguments, but is given {}",
+                name.text,
+                arguments.len()
+            );
+            self.report(Diagnostic::error("macro-call", name.span, message));
+            return None;
+        }
+        Some(arguments)
+    }
+
+    /// The body of a function-like macro with its parameters replaced.
+    fn substitute(
+        &mut self,
+        definition: &Macro<'a>,
+        parameters: &[&'a str],
+        arguments: &[Vec<Token<'a>>],
+        site: &Token<'a>,
+    ) -> Vec<Token<'a>> {
+        let mut expanded: Vec<Option<Vec<Token<'a>>>> = vec![None; arguments.len()];
+        let mut tokens = Vec::new();
+        for (i, token) in definition.body.iter().enumerate() {
+            let parameter =
+                parameters.iter().position(|p| token.kind == Kind::Name && *p == token.text);
+            let Some(parameter) = parameter else {
+                tokens.push(at_use(token, site));
+                continue;
+            };
+            // Operands of `##` are taken as written, other arguments are expanded first.
+            let pasted = (i > 0 && definition.body[i - 1].is("##"))
+                || definition.body.get(i + 1).is_some_and(|next| next.is("##"));
+            if pasted {
+                tokens.extend(&arguments[parameter]);
+            } else {
+                if expanded[parameter].is_none() {
+                    expanded[parameter] = Some(self.expand_alone(&arguments[parameter]));
+                }
+                tokens.extend(expanded[parameter].as_ref().expect("just filled"));
+            }
+            if self.expanded + tokens.len() > MOST_EXPANDED {
+                break;
+            }
+        }
+        tokens
+    }
+
+    /// Expands tokens as if nothing followed them.
+    pub(in crate::syntax::glsl) fn expand_alone(&mut self, tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+        if !tokens.iter().any(|t| t.kind == Kind::Name && !t.frozen) {
+            return tokens.to_vec();
+        }
+        if self.argument_depth == DEEPEST_ARGUMENTS {
+            let message = format!("macro calls are nested more than {DEEPEST_ARGUMENTS} deep");
+            self.report(Diagnostic::error("macro-bomb", tokens[0].span, message));
+            self.stopped = true;
+            return Vec::new();
+        }
+        self.argument_depth += 1;
+        let floor = std::mem::replace(&mut self.floor, self.frames.len());
+        self.frames.push(Frame::Tokens { tokens: tokens.to_vec(), at: 0 });
+        let mut result = Vec::new();
+        loop {
+            let token = self.next();
+            if token.kind == Kind::End {
+                break;
+            }
+            result.push(token);
+        }
+        self.frames.truncate(self.floor);
+        self.floor = floor;
+        self.argument_depth -= 1;
+        result
+    }
+
+    /// `__LINE__` and `__FILE__`.
+    fn line_or_file(&self, token: &Token<'a>) -> Option<&'a str> {
+        match token.text {
+            "__LINE__" => Some(self.keep(&self.files.locate(token.span).line.to_string())),
+            "__FILE__" => Some(self.keep(&token.span.file.to_string())),
+            _ => None,
+        }
+    }
+}
+
+/// A token of a macro's body as it appears where the macro is used.
+fn at_use<'a>(token: &Token<'a>, site: &Token<'a>) -> Token<'a> {
+    Token {
+        span: site.span,
+        definition: site.definition.or(Some(token.span)),
+        comments: site.comments,
+        first: false,
+        ..*token
+    }
+}

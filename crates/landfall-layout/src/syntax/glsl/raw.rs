@@ -1,0 +1,139 @@
+//! The tokens of a shader's own file as they stand in its text, macros not
+//! expanded: what an edit of the text needs to know.
+
+use rustc_hash::FxHashSet;
+
+use super::lexer::{Kind, Lexer};
+use super::preprocess::{Preprocessor, Texts};
+use crate::source::{Files, ReadOptions, Source, Span, Target};
+
+/// A token of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RawToken {
+    /// The kind of token.
+    pub kind: Kind,
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+    /// Whether the compiler reads it: no condition leaves it out.
+    pub active: bool,
+    /// The number of the directive it is part of, from 0.
+    pub directive: Option<usize>,
+}
+
+/// The tokens of a file and what else its text is made of.
+#[derive(Debug)]
+pub struct RawText {
+    /// All tokens of the text.
+    pub tokens: Vec<RawToken>,
+    /// The shader itself, then its includes.
+    pub files: Files,
+    /// The number in `#version`, or its default.
+    pub version: u32,
+    /// Whether it is OpenGL ES.
+    pub es: bool,
+    /// The API it is written for, as far as its text says.
+    pub target: Option<Target>,
+}
+
+/// Reads the tokens of a shader's own file.
+pub fn read(source: &Source, options: &ReadOptions) -> RawText {
+    let texts = Texts::new();
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    let mut seen = FxHashSet::default();
+    loop {
+        let token = preprocessor.next();
+        if token.kind == Kind::End {
+            break;
+        }
+        if token.span.file == 0 {
+            seen.insert(token.span.start);
+        }
+    }
+    seen.extend(preprocessor.obeyed.iter().filter(|span| span.file == 0).map(|span| span.start));
+    let mut tokens = lex(&source.text);
+    mark_active(&mut tokens, &seen);
+    RawText {
+        tokens,
+        version: preprocessor.version.number,
+        es: preprocessor.version.es,
+        target: preprocessor.target(),
+        files: preprocessor.files,
+    }
+}
+
+/// A shader's text with its includes in it and its macros expanded, for compilers that open no
+/// files; comments and line numbers are lost.
+pub fn flattened(source: &Source, options: &ReadOptions) -> String {
+    let texts = Texts::new();
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    let mut body = String::with_capacity(source.text.len());
+    let mut before = Span::default();
+    loop {
+        let token = preprocessor.next();
+        if token.kind == Kind::End {
+            break;
+        }
+        // The two halves of `+=` are tokens of their own.
+        let joined = token.definition.is_none()
+            && (before.file, before.end) == (token.span.file, token.span.start);
+        if !joined {
+            body.push(if token.first { '\n' } else { ' ' });
+        }
+        body.push_str(token.text);
+        before = token.span;
+    }
+    let mut text = String::with_capacity(body.len() + 256);
+    for span in &preprocessor.obeyed {
+        let Some(file) = preprocessor.files.get(span.file) else { continue };
+        let line = file.text[span.start as usize..].lines().next().unwrap_or_default();
+        let name = line.trim_start_matches('#').trim_start();
+        let kept = name.starts_with("version") && span.file == 0
+            || name.starts_with("extension") && !name.contains("include");
+        if kept {
+            text.push_str(line);
+            text.push('\n');
+        }
+    }
+    text.push_str(&body);
+    text.push('\n');
+    text
+}
+
+fn lex(text: &str) -> Vec<RawToken> {
+    let mut lexer = Lexer::new(text, 0);
+    let mut comments = Vec::new();
+    let mut tokens: Vec<RawToken> = Vec::new();
+    let mut directives = 0;
+    loop {
+        let mut token = lexer.next(&mut comments);
+        if token.kind == Kind::End {
+            return tokens;
+        }
+        let directive = (token.first && token.is("#")).then_some(directives);
+        directives += usize::from(directive.is_some());
+        loop {
+            let (start, end) = (token.span.start as usize, token.span.end as usize);
+            tokens.push(RawToken { kind: token.kind, start, end, active: false, directive });
+            match directive.and_then(|_| lexer.next_on_line(&mut comments)) {
+                Some(next) => token = next,
+                None => break,
+            }
+        }
+    }
+}
+
+/// Text between two directives is read as a whole or not at all: one token that was seen speaks
+/// for all, among them the arguments of macros that drop them.
+fn mark_active(tokens: &mut [RawToken], seen: &FxHashSet<u32>) {
+    let mut start = 0;
+    while start < tokens.len() {
+        let group = tokens[start].directive;
+        let length = tokens[start..].iter().take_while(|t| t.directive == group).count();
+        let run = &mut tokens[start..start + length];
+        let active = run.iter().any(|token| seen.contains(&(token.start as u32)));
+        run.iter_mut().for_each(|token| token.active = active);
+        start += length;
+    }
+}

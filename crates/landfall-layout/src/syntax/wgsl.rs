@@ -1,0 +1,71 @@
+//! WGSL text to [`Shape`]: the module-scope declarations that blocks depend on.
+//!
+//! [`outline`] finds the declarations in one pass that skips function bodies;
+//! then every buffer variable reads its type, and that type its structures and
+//! constants. What no block depends on is never looked at.
+
+mod attributes;
+mod comments;
+mod constants;
+mod expressions;
+#[cfg(feature = "naga")]
+mod fallback;
+/// Without naga no expression beyond ours has a value.
+#[cfg(not(feature = "naga"))]
+mod fallback {
+    pub(super) fn positive(
+        _: &super::outline::Outline<'_>,
+        _: &str,
+        _: super::Span,
+    ) -> Option<u32> {
+        None
+    }
+}
+mod lengths;
+mod lexer;
+mod numbers;
+mod outline;
+mod predeclared;
+mod reader;
+mod report;
+mod structs;
+mod types;
+mod variables;
+
+use outline::Class;
+use reader::Reader;
+use report::Reports;
+
+use super::Parsed;
+use crate::shape::Shape;
+use crate::source::{Files, ReadOptions, Source, Span};
+
+/// Reads the blocks of a WGSL text.
+pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
+    let mut files = Files::default();
+    files.add(source.path.clone(), source.text.clone());
+    let text: &str = &source.text;
+    let mut reports = Reports::default();
+    let outline = outline::read(text, &mut reports);
+    if outline.incomplete {
+        return Parsed { files, diagnostics: reports.finish(), ..Parsed::default() };
+    }
+    let mut blocks = Vec::new();
+    let mut reader = Reader::new(text, &outline, options, reports);
+    for item in outline.items.iter().filter(|item| item.class == Class::Var) {
+        // Otherwise it is no buffer; or it was refused, and a finding says why.
+        if let Ok(Some(block)) = variables::block(&mut reader, item) {
+            blocks.push(block);
+        }
+    }
+    let shape = Shape { blocks, overrides: reader.overrides };
+    let diagnostics = reader.reports.finish();
+    Parsed { shape, files, diagnostics, bodies: outline.bodies }
+}
+
+/// The functions of a text, attributes included.
+pub(crate) fn functions(text: &str) -> Vec<Span> {
+    let outline = outline::read(text, &mut Reports::default());
+    let functions = outline.items.iter().filter(|item| item.class == Class::Fn);
+    functions.map(|item| Span { file: 0, start: item.start, end: item.end }).collect()
+}

@@ -1,0 +1,119 @@
+//! Attributes (§11): those that layouts and bindings depend on; the others are passed over.
+
+use super::constants;
+use super::constants::Trouble;
+use super::expressions;
+use super::expressions::Within;
+use super::fallback;
+use super::lexer::{Kind, Lexer};
+use super::outline::Item;
+use super::reader::Reader;
+use super::report;
+use super::report::Refused;
+use crate::diagnostic::Diagnostic;
+use crate::shape::Written;
+use crate::source::Span;
+use crate::syntax::constant::Fault;
+
+/// The attributes of a member or declaration.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Attributes {
+    pub(super) align: Option<Written>,
+    pub(super) size: Option<Written>,
+    pub(super) group: Option<Written>,
+    pub(super) binding: Option<Written>,
+    pub(super) id: Option<Written>,
+}
+
+/// The attributes of a declaration.
+pub(super) fn of_item<'a>(reader: &mut Reader<'a>, item: &Item<'a>) -> Result<Attributes, Refused> {
+    read(reader, &mut Lexer::new(reader.text, item.start))
+}
+
+/// Reads the attributes that come next, if any do.
+pub(super) fn read<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<Attributes, Refused> {
+    let mut attributes = Attributes::default();
+    while lexer.take(b'@') {
+        let name = lexer.next();
+        if name.kind != Kind::Word {
+            return Err(reader.reports.refuse(report::unexpected(lexer, name, "a name")));
+        }
+        if !lexer.peek().is(b'(') {
+            continue;
+        }
+        let place = match lexer.text_of(name) {
+            "align" => &mut attributes.align,
+            "size" => &mut attributes.size,
+            "group" => &mut attributes.group,
+            "binding" => &mut attributes.binding,
+            "id" => &mut attributes.id,
+            _ => {
+                skip_arguments(reader, lexer)?;
+                continue;
+            }
+        };
+        *place = Some(argument(reader, lexer, lexer.text_of(name))?);
+    }
+    Ok(attributes)
+}
+
+/// `(N)`
+fn argument<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    name: &str,
+) -> Result<Written, Refused> {
+    lexer.next();
+    let (outcome, span) = expressions::read(reader, lexer, Within::Statement)?;
+    lexer.take(b',');
+    super::types::expect(reader, lexer, b')', "`)`")?;
+    let value = match outcome {
+        Ok(value) => value.integer(),
+        Err(trouble @ Trouble::Fault(Fault::Unsupported, _)) => {
+            match fallback::positive(reader.outline, reader.text, span) {
+                Some(value) => Some(value.into()),
+                None => {
+                    return Err(refuse(reader, trouble, span, name));
+                }
+            }
+        }
+        Err(trouble) => {
+            return Err(refuse(reader, trouble, span, name));
+        }
+    };
+    // §11: all of them are i32 or u32 and not negative.
+    match value.and_then(|value| u32::try_from(value).ok()) {
+        Some(value) => Ok(Written { value: value.into(), span }),
+        None => {
+            let text = reader.slice(span);
+            let message = format!("`@{name}` must be a whole number from 0, `{text}` is none");
+            Err(reader.reports.refuse(Diagnostic::error("invalid-attribute", span, message)))
+        }
+    }
+}
+
+fn refuse(reader: &mut Reader<'_>, trouble: Trouble, at: Span, name: &str) -> Refused {
+    constants::refuse(reader, trouble, at, "invalid-attribute", &format!("`@{name}`"))
+}
+
+/// `(…)` of an attribute that says nothing about layouts.
+fn skip_arguments<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+    let mut depth = 0u32;
+    loop {
+        let token = lexer.next();
+        match token.kind {
+            Kind::Sign(b'(') => depth += 1,
+            Kind::Sign(b')') => depth -= 1,
+            Kind::Sign(b';' | b'{' | b'}') | Kind::End => {
+                return Err(reader.reports.refuse(report::unexpected(lexer, token, "`)`")));
+            }
+            Kind::Word | Kind::Number | Kind::Sign(_) => {}
+        }
+        if depth == 0 {
+            return Ok(());
+        }
+    }
+}

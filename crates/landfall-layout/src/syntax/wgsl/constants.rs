@@ -1,0 +1,254 @@
+//! Module-scope constants and overrides: read when a size asks for them.
+
+use super::expressions;
+use super::expressions::Within;
+use super::lexer::Lexer;
+use super::outline::Class;
+use super::reader::{Known, Reader};
+use super::report;
+use super::report::Refused;
+use super::types;
+use super::types::Meaning;
+use super::{attributes, numbers};
+use crate::diagnostic::Diagnostic;
+use crate::shape::{Scalar, ScalarKind, Type};
+use crate::source::Span;
+use crate::syntax::constant;
+use crate::syntax::constant::{Fault, Kind, Value};
+
+/// The value of an expression, or why it has none.
+pub(super) type Outcome = Result<Value, Trouble>;
+
+/// Why an expression that was read has no value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Trouble {
+    /// It cannot be computed; the place says what of it.
+    Fault(Fault, Span),
+    /// It depends on an override without a value: its index in the outline.
+    Valueless(usize),
+    /// It names something undeclared.
+    Unknown(Span),
+    /// It names a declaration that is no constant.
+    NotConstant(Span, usize),
+    /// Something in it could not be read, and a finding says so already.
+    Refused,
+}
+
+/// From this depth on constants that hang on one another are read in the order of the text.
+const DEEP_CHAIN: u32 = 64;
+
+/// The value of a declared constant or override.
+pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outcome {
+    reader.asked_override |= reader.outline.items[index].class == Class::Override;
+    match reader.constants.get(&index) {
+        Some(Known::Done(outcome)) => return outcome.clone(),
+        Some(Known::Broken) => return Err(Trouble::Refused),
+        Some(Known::Open) => {
+            let item = &reader.outline.items[index];
+            let message = format!("`{}` depends on its own value", item.name);
+            reader.reports.push(
+                Diagnostic::error("recursive-constant", at, message)
+                    .with_label(item.name_span, "defined here"),
+            );
+            return Err(Trouble::Refused);
+        }
+        None => {}
+    }
+    let read = match reader.outline.items[index].class {
+        Class::Const => constant,
+        Class::Override => override_value,
+        Class::Struct | Class::Alias | Class::Var | Class::Fn => {
+            return Err(Trouble::NotConstant(at, index));
+        }
+    };
+    if reader.depth() > DEEP_CHAIN && !reader.swept {
+        reader.swept = true;
+        sweep(reader, index, at);
+    }
+    reader.constants.insert(index, Known::Open);
+    let result = reader.deeper_expression(at, |reader| read(reader, index));
+    let outcome = result.unwrap_or(Err(Trouble::Refused));
+    reader.constants.insert(index, Known::Done(outcome.clone()));
+    outcome
+}
+
+/// Reads the constants before a deep one, so that it finds what it needs without nesting.
+fn sweep(reader: &mut Reader<'_>, index: usize, at: Span) {
+    for before in 0..index {
+        let constant = reader.outline.items[before].class == Class::Const;
+        if constant && !reader.constants.contains_key(&before) {
+            let _ = value_of(reader, before, at);
+        }
+    }
+}
+
+/// `const NAME: TYPE = VALUE;`
+fn constant(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
+    let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
+    let kind = declared_kind(reader, &mut lexer)?;
+    types::expect(reader, &mut lexer, b'=', "`=`")?;
+    let (outcome, at) = expressions::read(reader, &mut lexer, Within::Statement)?;
+    types::expect(reader, &mut lexer, b';', "`;`")?;
+    Ok(typed(outcome, kind, at))
+}
+
+/// `@id(N) override NAME: TYPE = VALUE;`, or what `-O` says.
+fn override_value(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
+    let outline = reader.outline;
+    let item = &outline.items[index];
+    let id = match attributes::of_item(reader, item)?.id {
+        Some(written) => u32::try_from(written.value).ok(),
+        None => None,
+    };
+    let mut lexer = Lexer::new(reader.text, item.rest);
+    let kind = declared_kind(reader, &mut lexer)?;
+    let set = reader
+        .options
+        .overrides
+        .iter()
+        .rev()
+        .find(|(key, _)| key == item.name || id.is_some_and(|id| key.parse() == Ok(id)));
+    let outcome = if let Some((_, text)) = set {
+        match parse_setting(text) {
+            Some(value) => typed(Ok(value), kind, item.name_span),
+            None => {
+                let message = format!("`{}` is set to `{text}`, which is no number", item.name);
+                let diagnostic = Diagnostic::error("override-value", item.name_span, message)
+                    .with_help(format!("pass `-O {}=4`, or another number", item.name));
+                return Err(reader.reports.refuse(diagnostic));
+            }
+        }
+    } else if lexer.take(b'=') {
+        let (outcome, at) = expressions::read(reader, &mut lexer, Within::Statement)?;
+        typed(outcome, kind, at)
+    } else {
+        Err(Trouble::Valueless(index))
+    };
+    let value = outcome.as_ref().ok().and_then(Value::integer).and_then(|v| i64::try_from(v).ok());
+    reader.note_override(item.name, id, value);
+    Ok(outcome)
+}
+
+fn parse_setting(text: &str) -> Option<Value> {
+    let text = text.trim();
+    match text {
+        "true" => return Some(Value::Bool(true)),
+        "false" => return Some(Value::Bool(false)),
+        _ => {}
+    }
+    match text.strip_prefix('-') {
+        Some(rest) => constant::unary("-", &numbers::literal(rest)?).ok(),
+        None => numbers::literal(text),
+    }
+}
+
+/// The component of the type in `: TYPE`, if one is written.
+fn declared_kind<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<Option<Scalar>, Refused> {
+    if !lexer.take(b':') {
+        return Ok(None);
+    }
+    let typed = types::read(reader, lexer)?;
+    Ok(match typed.meaning {
+        Meaning::Data(ty) => component(&ty),
+        Meaning::Opaque | Meaning::Bindings(..) => None,
+    })
+}
+
+/// The component of a scalar, vector, or array of such; others are not converted.
+pub(super) fn component(ty: &Type) -> Option<Scalar> {
+    match ty.innermost() {
+        Type::Scalar(scalar) | Type::Atomic(scalar) | Type::Vector { scalar, .. } => Some(*scalar),
+        Type::Matrix { .. } | Type::Address(_) | Type::Struct(_) | Type::Array { .. } => None,
+    }
+}
+
+fn typed(outcome: Outcome, scalar: Option<Scalar>, at: Span) -> Outcome {
+    match (outcome, scalar) {
+        (Ok(value), Some(scalar)) => {
+            convert(&value, scalar).map_err(|fault| Trouble::Fault(fault, at))
+        }
+        (outcome, _) => outcome,
+    }
+}
+
+/// The value as a component of that type.
+pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
+    let kind = match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => Kind::Bool,
+        (ScalarKind::Sint, 8) => Kind::Long,
+        (ScalarKind::Sint, _) => Kind::Int,
+        (ScalarKind::Uint, 8) => Kind::Ulong,
+        (ScalarKind::Uint, _) => Kind::Uint,
+        (
+            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
+            _,
+        ) => Kind::Float,
+    };
+    // WGSL §6.1.2: an AbstractInt that its target cannot hold is an error, not wrapped.
+    if let Value::Abstract(v) = *value {
+        let held = match kind {
+            Kind::Int => i32::try_from(v).is_ok(),
+            Kind::Uint => u32::try_from(v).is_ok(),
+            Kind::Ulong => v >= 0,
+            Kind::Bool | Kind::Long | Kind::Float => true,
+        };
+        if !held {
+            return Err(Fault::Overflow);
+        }
+    }
+    value.convert(kind)
+}
+
+/// Says why an expression that must be constant has no value.
+pub(super) fn refuse(
+    reader: &mut Reader<'_>,
+    trouble: Trouble,
+    at: Span,
+    code: &'static str,
+    what: &str,
+) -> Refused {
+    let text = reader.slice(at);
+    let diagnostic = match trouble {
+        Trouble::Refused => return Refused,
+        Trouble::Valueless(index) => {
+            let name = reader.outline.items[index].name;
+            Diagnostic::error(code, at, format!("{what} `{text}` waits for an override"))
+                .with_help(format!("`{name}` has no default: pass `-O {name}=VALUE`"))
+        }
+        Trouble::Unknown(place) => {
+            let name = reader.slice(place);
+            let diagnostic =
+                Diagnostic::error("unknown-name", place, format!("`{name}` is not defined"));
+            let known = reader.outline.items.iter().filter(|item| match item.class {
+                Class::Const | Class::Override => true,
+                Class::Struct | Class::Alias | Class::Var | Class::Fn => false,
+            });
+            report::misspelt(diagnostic, name, known.map(|item| item.name))
+        }
+        Trouble::NotConstant(place, index) => {
+            let item = &reader.outline.items[index];
+            let message =
+                format!("{what} must be constant, `{}` is {}", item.name, item.class.described());
+            Diagnostic::error(code, place, message)
+                .with_label(item.name_span, "defined here")
+                .with_help("use a `const` or an `override`")
+        }
+        Trouble::Fault(fault, place) => {
+            let message = match fault {
+                Fault::DivisionByZero => format!("{what} divides by zero"),
+                Fault::Overflow => format!("{what} is computed past the range of its type"),
+                Fault::Mismatch => format!("{what} combines types that do not go together"),
+                Fault::Unsupported => format!("landfall cannot evaluate this for {what}"),
+            };
+            let diagnostic = Diagnostic::error(code, place, message);
+            match fault {
+                Fault::Unsupported => diagnostic.with_help("write the number"),
+                Fault::DivisionByZero | Fault::Overflow | Fault::Mismatch => diagnostic,
+            }
+        }
+    };
+    reader.reports.refuse(diagnostic)
+}

@@ -1,0 +1,335 @@
+//! Const-expressions and override-expressions (§8), evaluated while they are read.
+
+use super::constants;
+use super::constants::{Outcome, Trouble};
+use super::lexer::{Kind, Lexer, Token};
+use super::outline::Class;
+use super::reader::Reader;
+use super::report;
+use super::report::Refused;
+use super::{numbers, predeclared, types};
+use crate::shape::{ArrayLen, Type};
+use crate::source::Span;
+use crate::syntax::constant;
+use crate::syntax::constant::{Fault, Value};
+
+/// Where an expression stands: in a template list `>` ends it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Within {
+    Template,
+    Statement,
+}
+
+/// Reads an expression: its value, and where it stands.
+pub(super) fn read<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    within: Within,
+) -> Result<(Outcome, Span), Refused> {
+    let start = lexer.peek().start;
+    let (outcome, end) = binary(reader, lexer, within, 0)?;
+    Ok((outcome, Span { file: 0, start, end }))
+}
+
+/// An outcome and where its text ends.
+type Part = (Outcome, u32);
+
+fn binary<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    within: Within,
+    weakest: u8,
+) -> Result<Part, Refused> {
+    let start = lexer.peek().start;
+    let (mut left, mut end) = unary(reader, lexer)?;
+    while let Some((op, strength)) = operator(lexer, within) {
+        if strength <= weakest {
+            break;
+        }
+        let first = lexer.next();
+        lexer.jump(first.start + op.len() as u32);
+        let (right, right_end) = reader.deeper_expression(report::span(first), |reader| {
+            binary(reader, lexer, within, strength)
+        })?;
+        end = right_end;
+        let at = Span { file: 0, start, end };
+        left = match (op, left) {
+            // §8.8: the right side of these counts only when the left does not decide.
+            ("&&", Ok(Value::Bool(false))) => Ok(Value::Bool(false)),
+            ("||", Ok(Value::Bool(true))) => Ok(Value::Bool(true)),
+            (_, Ok(a)) => right.and_then(|b| {
+                constant::binary(op, &a, &b).map_err(|fault| Trouble::Fault(fault, at))
+            }),
+            (_, Err(trouble)) => Err(trouble),
+        };
+    }
+    Ok((left, end))
+}
+
+/// The binary operator that comes next, and how strongly it binds.
+fn operator(lexer: &mut Lexer<'_>, within: Within) -> Option<(&'static str, u8)> {
+    let token = lexer.peek();
+    let Kind::Sign(first) = token.kind else { return None };
+    let second = lexer.text().as_bytes().get(token.end as usize).copied();
+    Some(match (first, second) {
+        (b'>', _) if within == Within::Template => return None,
+        (b'|', Some(b'|')) => ("||", 1),
+        (b'&', Some(b'&')) => ("&&", 2),
+        (b'|', _) => ("|", 3),
+        (b'^', _) => ("^", 4),
+        (b'&', _) => ("&", 5),
+        (b'=', Some(b'=')) => ("==", 6),
+        (b'!', Some(b'=')) => ("!=", 6),
+        (b'<', Some(b'<')) => ("<<", 8),
+        (b'>', Some(b'>')) => (">>", 8),
+        (b'<', Some(b'=')) => ("<=", 7),
+        (b'>', Some(b'=')) => (">=", 7),
+        (b'<', _) => ("<", 7),
+        (b'>', _) => (">", 7),
+        (b'+', _) => ("+", 9),
+        (b'-', _) => ("-", 9),
+        (b'*', _) => ("*", 10),
+        (b'/', _) => ("/", 10),
+        (b'%', _) => ("%", 10),
+        _ => return None,
+    })
+}
+
+fn unary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+    let token = lexer.peek();
+    let op = match token.kind {
+        Kind::Sign(b'-') => "-",
+        Kind::Sign(b'!') => "!",
+        Kind::Sign(b'~') => "~",
+        Kind::Word | Kind::Number | Kind::Sign(_) | Kind::End => {
+            return postfix(reader, lexer);
+        }
+    };
+    lexer.next();
+    let (inner, end) =
+        reader.deeper_expression(report::span(token), |reader| unary(reader, lexer))?;
+    let at = Span { file: 0, start: token.start, end };
+    let outcome = inner
+        .and_then(|value| constant::unary(op, &value).map_err(|fault| Trouble::Fault(fault, at)));
+    Ok((outcome, end))
+}
+
+/// A primary expression with the `.x` and `[i]` behind it.
+fn postfix<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+    let start = lexer.peek().start;
+    let (mut outcome, mut end) = primary(reader, lexer)?;
+    loop {
+        if lexer.take(b'.') {
+            let name = lexer.next();
+            if name.kind != Kind::Word {
+                return Err(reader.reports.refuse(report::unexpected(lexer, name, "a name")));
+            }
+            end = name.end;
+            let at = Span { file: 0, start, end };
+            outcome = outcome.and_then(|value| swizzle(&value, lexer.text_of(name), at));
+        } else if lexer.peek().is(b'[') {
+            let open = lexer.next();
+            let (index, _) = reader.deeper_expression(report::span(open), |reader| {
+                read(reader, lexer, Within::Statement)
+            })?;
+            end = lexer.peek().end;
+            types::expect(reader, lexer, b']', "`]`")?;
+            let at = Span { file: 0, start, end };
+            outcome = outcome.and_then(|value| element(&value, &index?, at));
+        } else {
+            return Ok((outcome, end));
+        }
+    }
+}
+
+fn swizzle(value: &Value, names: &str, at: Span) -> Outcome {
+    let Value::List(items) = value else {
+        return Err(Trouble::Fault(Fault::Unsupported, at));
+    };
+    let component = |name: char| {
+        let index = "xyzw".find(name).or_else(|| "rgba".find(name));
+        index.and_then(|i| items.get(i)).cloned().ok_or(Trouble::Fault(Fault::Mismatch, at))
+    };
+    let mut picked = names.chars().map(component).collect::<Result<Vec<_>, _>>()?;
+    Ok(if picked.len() == 1 { picked.remove(0) } else { Value::List(picked) })
+}
+
+fn element(value: &Value, index: &Value, at: Span) -> Outcome {
+    let (Value::List(items), Some(index)) = (value, index.integer()) else {
+        return Err(Trouble::Fault(Fault::Unsupported, at));
+    };
+    let item = usize::try_from(index).ok().and_then(|i| items.get(i));
+    item.cloned().ok_or(Trouble::Fault(Fault::Mismatch, at))
+}
+
+fn primary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+    let token = lexer.next();
+    let at = report::span(token);
+    match token.kind {
+        Kind::Number => match numbers::literal(lexer.text_of(token)) {
+            Some(value) => Ok((Ok(value), token.end)),
+            None => Err(reader.reports.refuse(report::bad_number(lexer, token))),
+        },
+        Kind::Sign(b'(') => {
+            let (outcome, _) =
+                reader.deeper_expression(at, |reader| read(reader, lexer, Within::Statement))?;
+            let end = lexer.peek().end;
+            types::expect(reader, lexer, b')', "`)`")?;
+            Ok((outcome, end))
+        }
+        Kind::Word => match lexer.text_of(token) {
+            "true" => Ok((Ok(Value::Bool(true)), token.end)),
+            "false" => Ok((Ok(Value::Bool(false)), token.end)),
+            name => word(reader, lexer, token, name),
+        },
+        Kind::Sign(_) | Kind::End => {
+            Err(reader.reports.refuse(report::unexpected(lexer, token, "an expression")))
+        }
+    }
+}
+
+/// A constant, a constructor, or a call of a builtin function.
+fn word<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    token: Token,
+    name: &str,
+) -> Result<Part, Refused> {
+    let at = report::span(token);
+    if let Some(&index) = reader.outline.names.get(name) {
+        return match reader.outline.items[index].class {
+            Class::Const | Class::Override => {
+                Ok((constants::value_of(reader, index, at), token.end))
+            }
+            Class::Struct | Class::Alias => constructor(reader, lexer, token),
+            Class::Var | Class::Fn => {
+                let mut end = token.end;
+                if lexer.take(b'(') {
+                    end = arguments(reader, lexer)?.1;
+                }
+                Ok((Err(Trouble::NotConstant(at, index)), end))
+            }
+        };
+    }
+    if predeclared::lookup(name).is_some() {
+        return constructor(reader, lexer, token);
+    }
+    // `bitcast<T>(…)`: read over; naga is asked for its value.
+    let template = lexer.peek().is(b'<') && name == "bitcast";
+    if template {
+        lexer.next();
+        types::read(reader, lexer)?;
+        types::expect(reader, lexer, b'>', "`>`")?;
+    }
+    if !lexer.take(b'(') {
+        return Ok((Err(Trouble::Unknown(at)), token.end));
+    }
+    let (values, end) = arguments(reader, lexer)?;
+    let whole = Span { file: 0, start: token.start, end };
+    let outcome = values.and_then(|values| {
+        let result = constant::call(name, &values);
+        result.map_err(|fault| Trouble::Fault(fault, whole))
+    });
+    Ok((outcome, end))
+}
+
+/// From after a `(` past its `)`: the values between them.
+fn arguments<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<(Result<Vec<Value>, Trouble>, u32), Refused> {
+    let mut values = Ok(Vec::new());
+    loop {
+        let next = lexer.peek();
+        if lexer.take(b')') {
+            return Ok((values, next.end));
+        }
+        let (outcome, _) = reader.deeper_expression(report::span(next), |reader| {
+            read(reader, lexer, Within::Statement)
+        })?;
+        values = match (values, outcome) {
+            (Ok(mut values), Ok(value)) => {
+                values.push(value);
+                Ok(values)
+            }
+            (Err(trouble), _) | (Ok(_), Err(trouble)) => Err(trouble),
+        };
+        let end = lexer.peek().end;
+        if !lexer.take(b',') {
+            types::expect(reader, lexer, b')', "`)`")?;
+            return Ok((values, end));
+        }
+    }
+}
+
+/// `u32(x)`, `vec2<f32>(x, y)`, `vec3(x)`, `array(a, b)`.
+fn constructor<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    token: Token,
+) -> Result<Part, Refused> {
+    let name = lexer.text_of(token);
+    let at = report::span(token);
+    let templated = lexer.peek().is(b'<') || !matches!(name, "vec2" | "vec3" | "vec4" | "array");
+    let ty = if templated { Some(types::constructed(reader, lexer, token)?) } else { None };
+    if !lexer.take(b'(') {
+        return Err(reader.reports.refuse(report::unexpected(lexer, lexer.clone().peek(), "`(`")));
+    }
+    let (values, end) = arguments(reader, lexer)?;
+    let whole = Span { file: 0, start: at.start, end };
+    let outcome = values.and_then(|values| {
+        let made = match &ty {
+            Some(ty) => ty.as_ref().map_or(Err(Fault::Unsupported), |ty| construct(ty, values)),
+            None => match name.as_bytes() {
+                [b'v', b'e', b'c', rows] => vector(usize::from(rows - b'0'), values),
+                _ => Ok(Value::List(values)),
+            },
+        };
+        made.map_err(|fault| Trouble::Fault(fault, whole))
+    });
+    Ok((outcome, end))
+}
+
+fn construct(ty: &Type, values: Vec<Value>) -> Result<Value, Fault> {
+    match ty {
+        Type::Scalar(scalar) => match values.as_slice() {
+            [] => constants::convert(&Value::Abstract(0), *scalar),
+            [value] => constants::convert(value, *scalar),
+            _ => Err(Fault::Mismatch),
+        },
+        Type::Vector { scalar, rows } => {
+            let values = if values.is_empty() { vec![Value::Abstract(0)] } else { values };
+            constants::convert(&vector(usize::from(*rows), values)?, *scalar)
+        }
+        Type::Array { len: ArrayLen::Fixed(n), .. } if values.len() == *n as usize => {
+            let list = Value::List(values);
+            match constants::component(ty) {
+                Some(scalar) => constants::convert(&list, scalar),
+                None => Ok(list),
+            }
+        }
+        Type::Array { .. }
+        | Type::Atomic(_)
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Struct(_) => Err(Fault::Unsupported),
+    }
+}
+
+/// A vector of that many components from scalars and vectors; one scalar fills it.
+fn vector(rows: usize, values: Vec<Value>) -> Result<Value, Fault> {
+    let mut components = Vec::with_capacity(rows);
+    for value in values {
+        match value {
+            Value::List(items) => components.extend(items),
+            scalar => components.push(scalar),
+        }
+    }
+    if let [only] = components.as_slice() {
+        components = vec![only.clone(); rows];
+    }
+    if components.len() != rows {
+        return Err(Fault::Mismatch);
+    }
+    Ok(Value::List(components))
+}

@@ -1,0 +1,72 @@
+//! Array lengths: `N` of `array<E, N>`.
+
+use std::sync::Arc;
+
+use super::constants::Trouble;
+use super::expressions;
+use super::expressions::Within;
+use super::lexer::Lexer;
+use super::reader::Reader;
+use super::report::Refused;
+use super::{constants, fallback};
+use crate::diagnostic::Diagnostic;
+use crate::shape::ArrayLen;
+use crate::source::Span;
+use crate::syntax::constant::Fault;
+
+/// The length of an array.
+pub(super) struct Length {
+    pub(super) len: ArrayLen,
+    /// The override it waits for, by its index in the outline.
+    pub(super) waits_for: Option<usize>,
+    /// The expression, if an override is in it.
+    pub(super) overridden: Option<Span>,
+}
+
+/// Reads a length inside a template list.
+pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Length, Refused> {
+    reader.asked_override = false;
+    let (outcome, at) = expressions::read(reader, lexer, Within::Template)?;
+    let overridden = reader.asked_override.then_some(at);
+    let text = reader.slice(at);
+    let count = match outcome {
+        Ok(value) => value.integer(),
+        Err(Trouble::Valueless(index)) => {
+            let len = ArrayLen::Override(Arc::from(text));
+            return Ok(Length { len, waits_for: Some(index), overridden });
+        }
+        Err(Trouble::Fault(Fault::Unsupported, place)) => {
+            match fallback::positive(reader.outline, reader.text, at) {
+                Some(count) => Some(count.into()),
+                None => return Err(refuse(reader, Trouble::Fault(Fault::Unsupported, place), at)),
+            }
+        }
+        Err(trouble) => return Err(refuse(reader, trouble, at)),
+    };
+    let Some(count) = count else {
+        let message = format!("an array length must be a whole number, `{text}` is none");
+        return Err(reader.reports.refuse(Diagnostic::error("array-size", at, message)));
+    };
+    let shown = || match text == count.to_string() {
+        true => format!("`{text}`"),
+        false => format!("`{text}`, which is {count}"),
+    };
+    match u32::try_from(count) {
+        Ok(0) | Err(_) if count < 1 => {
+            let message =
+                format!("an array must have at least 1 element, this one has {}", shown());
+            let diagnostic = Diagnostic::error("array-size", at, message);
+            let help = "write `array<T>` for as many as the buffer holds, or a length of 1 or more";
+            Err(reader.reports.refuse(diagnostic.with_help(help)))
+        }
+        Ok(count) => Ok(Length { len: ArrayLen::Fixed(count), waits_for: None, overridden }),
+        Err(_) => {
+            let message = format!("an array has at most {} elements, not {}", u32::MAX, shown());
+            Err(reader.reports.refuse(Diagnostic::error("array-size", at, message)))
+        }
+    }
+}
+
+fn refuse(reader: &mut Reader<'_>, trouble: Trouble, at: Span) -> Refused {
+    constants::refuse(reader, trouble, at, "array-size", "an array length")
+}

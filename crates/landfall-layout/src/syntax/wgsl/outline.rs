@@ -1,0 +1,303 @@
+//! One pass over the module scope of a WGSL text: which names are declared, and where.
+//!
+//! What a declaration says is read later, when a block asks for it: what no
+//! block depends on cannot be wrong.
+
+use rustc_hash::FxHashMap;
+
+use super::comments;
+use super::lexer::{Kind, Lexer, Token};
+use super::report;
+use super::report::Reports;
+use crate::source::Span;
+
+/// What a module-scope name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Class {
+    Struct,
+    Alias,
+    Const,
+    Override,
+    Var,
+    Fn,
+}
+
+impl Class {
+    /// With its article, for messages.
+    pub(super) fn described(self) -> &'static str {
+        match self {
+            Class::Struct => "a struct",
+            Class::Alias => "an alias",
+            Class::Const => "a constant",
+            Class::Override => "an override",
+            Class::Var => "a variable",
+            Class::Fn => "a function",
+        }
+    }
+}
+
+/// A declaration at module scope.
+#[derive(Clone, Debug)]
+pub(super) struct Item<'a> {
+    pub(super) class: Class,
+    pub(super) name: &'a str,
+    pub(super) name_span: Span,
+    /// Its first byte, attributes included.
+    pub(super) start: u32,
+    /// Right after its name.
+    pub(super) rest: u32,
+    /// One past its last byte.
+    pub(super) end: u32,
+    /// Of a `var<space>`.
+    pub(super) space: Option<(&'a str, Span)>,
+    /// The comments that belong to a `var`.
+    pub(super) comment: Vec<Span>,
+}
+
+/// The declarations of a text.
+#[derive(Debug, Default)]
+pub(super) struct Outline<'a> {
+    /// In the order of the text.
+    pub(super) items: Vec<Item<'a>>,
+    /// Indices into `items`.
+    pub(super) names: FxHashMap<&'a str, usize>,
+    /// Insides of functions, without their braces.
+    pub(super) bodies: Vec<Span>,
+    /// Whether `enable f16;` was seen.
+    pub(super) f16: bool,
+    /// The text is a template that another tool must complete: nothing in it can be trusted.
+    pub(super) incomplete: bool,
+}
+
+const DECLARING: [&str; 7] = ["struct", "fn", "var", "const", "override", "alias", "const_assert"];
+
+/// Reads the module scope.
+pub(super) fn read<'a>(text: &'a str, reports: &mut Reports) -> Outline<'a> {
+    let mut outline = Outline::default();
+    outline.names.reserve(8 + text.len() / 256);
+    let mut lexer = Lexer::new(text, 0);
+    let mut last_end = 0;
+    loop {
+        lexer.comments.clear();
+        let first = lexer.peek();
+        let (behind, before) = comments::split(text, &lexer.comments, last_end, first);
+        if let Some(item) = outline.items.last_mut().filter(|item| item.class == Class::Var) {
+            item.comment.extend(comments::spans(behind));
+        }
+        let before = before.to_vec();
+        if first.kind == Kind::End {
+            break;
+        }
+        let declared = declaration(&mut lexer, &mut outline, reports, &before);
+        match declared {
+            Ok(end) => last_end = end,
+            Err(report::Refused) if reports.saw_preprocessor => {
+                outline.incomplete = true;
+                return outline;
+            }
+            Err(report::Refused) => {
+                recover(&mut lexer);
+                last_end = lexer.peek().start;
+            }
+        }
+    }
+    if let Some(start) = lexer.unclosed_comment {
+        reports.push(report::unclosed_comment(start));
+    }
+    outline
+}
+
+/// One declaration; returns its end.
+fn declaration<'a>(
+    lexer: &mut Lexer<'a>,
+    outline: &mut Outline<'a>,
+    reports: &mut Reports,
+    before: &[(u32, u32)],
+) -> Result<u32, report::Refused> {
+    let start = lexer.peek().start;
+    while lexer.take(b'@') {
+        let name = lexer.next();
+        if matches!(lexer.text_of(name), "if" | "else" | "elif") {
+            return Err(reports.refuse(report::preprocessor(lexer, name)));
+        }
+        if lexer.take(b'(') {
+            skip_round(lexer, reports)?;
+        }
+    }
+    let token = lexer.next();
+    let class = match (token.kind, lexer.text_of(token)) {
+        (Kind::Sign(b';'), _) => return Ok(token.end),
+        (Kind::Sign(b'#'), _) => return Err(reports.refuse(report::preprocessor(lexer, token))),
+        (Kind::Sign(b'['), _) if lexer.peek().is(b'[') => {
+            return Err(reports.refuse(report::bracket_attribute(token)));
+        }
+        (Kind::Word, "enable" | "requires" | "diagnostic") => {
+            let features = &lexer.text()[token.end as usize..];
+            let end = skip_to_semicolon(lexer, reports)?;
+            let features = &features[..(end - token.end) as usize];
+            outline.f16 |= features.split([' ', ',', ';', '\n']).any(|word| word == "f16");
+            return Ok(end);
+        }
+        (Kind::Word, "const_assert") => return skip_to_semicolon(lexer, reports),
+        (Kind::Word, "import") => return Err(reports.refuse(report::preprocessor(lexer, token))),
+        (Kind::Word, "struct") => Class::Struct,
+        (Kind::Word, "alias") => Class::Alias,
+        (Kind::Word, "const") => Class::Const,
+        (Kind::Word, "override") => Class::Override,
+        (Kind::Word, "var") => Class::Var,
+        (Kind::Word, "fn") => Class::Fn,
+        (Kind::Word, "let") => return Err(reports.refuse(report::module_let(token))),
+        _ => {
+            reports.push(report::unexpected(lexer, token, "a declaration"));
+            if token.is(b'{') {
+                lexer.skip_body();
+            }
+            return Err(report::Refused);
+        }
+    };
+    let mut space = None;
+    if class == Class::Var && lexer.take(b'<') {
+        let word = lexer.next();
+        space = Some((lexer.text_of(word), report::span(word)));
+        while !lexer.take(b'>') {
+            let token = lexer.next();
+            if !matches!(token.kind, Kind::Word | Kind::Sign(b',')) {
+                return Err(reports.refuse(report::unexpected(lexer, token, "`>`")));
+            }
+        }
+    }
+    let name = lexer.next();
+    if name.kind != Kind::Word {
+        return Err(reports.refuse(report::unexpected(lexer, name, "a name")));
+    }
+    let end = match class {
+        Class::Struct => skip_struct(lexer, reports, name)?,
+        Class::Fn => skip_function(lexer, outline, reports, name)?,
+        Class::Alias | Class::Const | Class::Override | Class::Var => {
+            skip_to_semicolon(lexer, reports)?
+        }
+    };
+    let item = Item {
+        class,
+        name: lexer.text_of(name),
+        name_span: report::span(name),
+        start,
+        rest: name.end,
+        end,
+        space,
+        comment: match class {
+            Class::Var => comments::spans(before).collect(),
+            Class::Struct | Class::Alias | Class::Const | Class::Override | Class::Fn => Vec::new(),
+        },
+    };
+    if let Some(&first) = outline.names.get(item.name) {
+        reports.push(report::duplicate(item.name, item.name_span, outline.items[first].name_span));
+    } else {
+        outline.names.insert(item.name, outline.items.len());
+    }
+    outline.items.push(item);
+    Ok(end)
+}
+
+/// From a struct's name past its `}`.
+fn skip_struct(
+    lexer: &mut Lexer<'_>,
+    reports: &mut Reports,
+    name: Token,
+) -> Result<u32, report::Refused> {
+    let open = lexer.next();
+    if !open.is(b'{') {
+        return Err(reports.refuse(report::unexpected(lexer, open, "`{`")));
+    }
+    let close = lexer.scan_to(*b"{}#}");
+    match close.kind {
+        Kind::Sign(b'}') => Ok(close.end),
+        Kind::Sign(b'#') => Err(reports.refuse(report::preprocessor(lexer, close))),
+        Kind::Word | Kind::Number | Kind::Sign(_) | Kind::End => {
+            // Go on at the first word that begins a declaration.
+            lexer.jump(open.end);
+            let inside = lexer.text_of(name);
+            Err(reports.refuse(report::unclosed_brace(inside, report::span(open))))
+        }
+    }
+}
+
+/// From a function's name past its body.
+fn skip_function(
+    lexer: &mut Lexer<'_>,
+    outline: &mut Outline<'_>,
+    reports: &mut Reports,
+    name: Token,
+) -> Result<u32, report::Refused> {
+    let open = lexer.scan_to(*b"{;}#");
+    if !open.is(b'{') {
+        return Err(reports.refuse(report::unexpected(lexer, open, "`{`")));
+    }
+    match lexer.skip_body() {
+        Some(close) => {
+            outline.bodies.push(Span { file: 0, start: open.end, end: close });
+            Ok(close + 1)
+        }
+        // The comment is what is reported then.
+        None if lexer.unclosed_comment.is_some() => Err(report::Refused),
+        None => {
+            Err(reports.refuse(report::unclosed_brace(lexer.text_of(name), report::span(open))))
+        }
+    }
+}
+
+fn skip_to_semicolon(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<u32, report::Refused> {
+    loop {
+        let token = lexer.peek();
+        let declares = token.kind == Kind::Word && DECLARING.contains(&lexer.text_of(token));
+        if declares || matches!(token.kind, Kind::End | Kind::Sign(b'{' | b'}' | b'@' | b'#')) {
+            return Err(reports.refuse(report::unexpected(lexer, token, "`;`")));
+        }
+        let token = lexer.next();
+        if token.is(b';') {
+            return Ok(token.end);
+        }
+    }
+}
+
+/// From after a `(` past its `)`.
+fn skip_round(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<(), report::Refused> {
+    let mut depth = 1u32;
+    while depth > 0 {
+        let token = lexer.next();
+        match token.kind {
+            Kind::Sign(b'(') => depth += 1,
+            Kind::Sign(b')') => depth -= 1,
+            Kind::Sign(b';' | b'{' | b'}') | Kind::End => {
+                return Err(reports.refuse(report::unexpected(lexer, token, "`)`")));
+            }
+            Kind::Word | Kind::Number | Kind::Sign(_) => {}
+        }
+    }
+    Ok(())
+}
+
+/// After an error: goes on after the next `;`, or at the next word or `@` that begins a declaration.
+fn recover(lexer: &mut Lexer<'_>) {
+    loop {
+        let token = lexer.peek();
+        match token.kind {
+            Kind::End => return,
+            Kind::Word if DECLARING.contains(&lexer.text_of(token)) => return,
+            Kind::Sign(b'@') if starts_line(lexer.text(), token) => return,
+            Kind::Word | Kind::Number | Kind::Sign(_) => {}
+        }
+        let token = lexer.next();
+        match token.kind {
+            Kind::Sign(b';') => return,
+            Kind::Sign(b'{') => drop(lexer.skip_body()),
+            Kind::Word | Kind::Number | Kind::Sign(_) | Kind::End => {}
+        }
+    }
+}
+
+/// Attributes of members stand on indented lines, those of declarations do not.
+fn starts_line(text: &str, token: Token) -> bool {
+    let start = token.start as usize;
+    start == 0 || matches!(text.as_bytes()[start - 1], b'\n' | b'\r')
+}

@@ -1,0 +1,135 @@
+//! The findings about WGSL text, and the words they are put in.
+
+use super::lexer::{Kind, Lexer, Token};
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::source::Span;
+
+/// A file is told this many findings; the rest would only follow from them.
+const MOST_REPORTS: usize = 100;
+
+/// Something could not be read, and a finding says so already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Refused;
+
+/// The findings so far.
+#[derive(Debug, Default)]
+pub(super) struct Reports {
+    list: Vec<Diagnostic>,
+    /// How many were left out.
+    more: usize,
+    /// Whether the text turned out to be another tool's template.
+    pub(super) saw_preprocessor: bool,
+}
+
+impl Reports {
+    pub(super) fn push(&mut self, diagnostic: Diagnostic) {
+        self.saw_preprocessor |= diagnostic.code == "preprocessor";
+        if self.list.len() < MOST_REPORTS {
+            self.list.push(diagnostic);
+        } else if diagnostic.severity == Severity::Error {
+            self.more += 1;
+        }
+    }
+
+    /// Records why, to return `Err` with.
+    pub(super) fn refuse(&mut self, diagnostic: Diagnostic) -> Refused {
+        self.push(diagnostic);
+        Refused
+    }
+
+    /// The findings, those left out counted in the last.
+    pub(super) fn finish(mut self) -> Vec<Diagnostic> {
+        if let (Some(last), true) = (self.list.last_mut(), self.more > 0) {
+            last.notes.push(format!("{} more errors in this file are not shown", self.more));
+        }
+        self.list
+    }
+}
+
+/// Where a token stands.
+pub(super) fn span(token: Token) -> Span {
+    Span { file: 0, start: token.start, end: token.end }
+}
+
+/// What was found where something else should be.
+pub(super) fn unexpected(lexer: &Lexer<'_>, token: Token, expected: &str) -> Diagnostic {
+    let found = match token.kind {
+        Kind::End => "the end of the text".to_string(),
+        Kind::Word | Kind::Number | Kind::Sign(_) => format!("`{}`", lexer.text_of(token)),
+    };
+    let message = format!("expected {expected}, found {found}");
+    let diagnostic = Diagnostic::error("syntax", span(token), message);
+    match (token.kind, expected) {
+        (Kind::Sign(b'#'), _) => preprocessor(lexer, token),
+        (_, "`;`") => diagnostic.with_help("write `;` after the declaration before it"),
+        (_, "`,` or `}`") => diagnostic.with_help("write `,` between two members"),
+        _ => diagnostic,
+    }
+}
+
+pub(super) fn bad_number(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
+    let message = format!("`{}` is no number WGSL can hold", lexer.text_of(token));
+    Diagnostic::error("syntax", span(token), message)
+}
+
+pub(super) fn unclosed_comment(start: u32) -> Diagnostic {
+    let span = Span { file: 0, start, end: start + 2 };
+    Diagnostic::error("unclosed-comment", span, "this comment has no end")
+        .with_note("block comments nest in WGSL: every `/*` in it wants its own `*/`")
+        .with_help("write `*/` where it ends")
+}
+
+pub(super) fn unclosed_brace(name: &str, open: Span) -> Diagnostic {
+    Diagnostic::error("unclosed-brace", open, format!("`{name}` has a `{{` without its `}}`"))
+        .with_help(format!("write `}}` at the end of `{name}`"))
+}
+
+pub(super) fn bracket_attribute(token: Token) -> Diagnostic {
+    Diagnostic::error("syntax", span(token), "attributes in `[[…]]` are no longer WGSL")
+        .with_help("write `@group(0) @binding(0)` for `[[group(0), binding(0)]]`")
+}
+
+pub(super) fn module_let(token: Token) -> Diagnostic {
+    Diagnostic::error("syntax", span(token), "`let` stands inside functions only")
+        .with_help("write `const`")
+}
+
+/// naga_oil's and WESL's lines: the declarations that count are known only after them.
+pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
+    let rest = &lexer.text()[token.start as usize..];
+    let word_end = rest[1..].find(|c: char| !c.is_alphanumeric() && c != '_');
+    let word = &rest[..word_end.map_or(rest.len(), |end| end + 1)];
+    let end = token.start + word.len() as u32;
+    let (shown, tool) = match token.kind {
+        Kind::Sign(_) => (word.to_string(), "naga_oil"),
+        Kind::Word | Kind::Number | Kind::End if word == "import" => (word.to_string(), "WESL"),
+        Kind::Word | Kind::Number | Kind::End => (format!("@{word}"), "WESL"),
+    };
+    let span = Span { file: 0, start: token.start, end };
+    Diagnostic::error("preprocessor", span, format!("`{shown}` is not WGSL but {tool}"))
+        .with_note("which declarations count is known only after this text is composed")
+        .with_help(format!("compose the shader with {tool} first, and lay out what comes out"))
+}
+
+pub(super) fn duplicate(name: &str, again: Span, first: Span) -> Diagnostic {
+    Diagnostic::error("duplicate-name", again, format!("`{name}` is defined twice"))
+        .with_label(first, "first defined here")
+        .with_help("rename or remove one of them")
+}
+
+pub(super) fn too_deep(at: Span) -> Diagnostic {
+    Diagnostic::error("nested-too-deep", at, "types and expressions nest too deep here")
+        .with_note("landfall follows some hundred levels, so as not to run out of stack")
+}
+
+/// `message` with the name nearest to a misspelt one as help.
+pub(super) fn misspelt<'n>(
+    diagnostic: Diagnostic,
+    name: &str,
+    known: impl Iterator<Item = &'n str>,
+) -> Diagnostic {
+    match crate::text::edit_distance::nearest(name, known) {
+        Some(candidate) => diagnostic.with_help(format!("did you mean `{candidate}`?")),
+        None => diagnostic,
+    }
+}

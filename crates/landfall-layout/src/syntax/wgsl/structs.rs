@@ -1,0 +1,206 @@
+//! Structure declarations (§6.2.10) to [`Struct`].
+
+use std::sync::Arc;
+
+use super::lexer::{Kind, Lexer, Token};
+use super::reader::Reader;
+use super::report;
+use super::report::Refused;
+use super::types;
+use super::types::{Facts, Meaning, Typed};
+use super::{attributes, comments};
+use crate::diagnostic::Diagnostic;
+use crate::shape::{DEEPEST_NESTING, Member, Scalar, Struct, Type};
+use crate::source::Span;
+
+/// Reads a structure of the outline.
+pub(super) fn read(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refused> {
+    let outline = reader.outline;
+    let item = &outline.items[index];
+    let mut lexer = Lexer::new(reader.text, item.rest);
+    let open = lexer.next();
+    let mut body = Body { end: open.end, ..Body::default() };
+    loop {
+        let next = lexer.peek();
+        let (behind, before) =
+            comments::split(reader.text, &lexer.comments[body.seen..], body.end, next);
+        if let Some(last) = body.members.last_mut() {
+            last.comment.extend(comments::spans(behind));
+        }
+        let before = comments::spans(before).collect();
+        body.seen = lexer.comments.len();
+        if lexer.take(b'}') {
+            break;
+        }
+        match member(reader, &mut lexer, &mut body, before) {
+            Ok(end) => body.end = end,
+            Err(Refused) => {
+                body.broken = true;
+                lexer.jump(next.start);
+                if recover(&mut lexer) {
+                    break;
+                }
+                body.end = lexer.peek().start;
+                body.seen = lexer.comments.len();
+            }
+        }
+    }
+    if body.broken {
+        return Err(Refused);
+    }
+    if body.members.is_empty() && body.opaque.is_empty() {
+        let message = format!("`{}` has no members, WGSL wants at least one", item.name);
+        let diagnostic = Diagnostic::error("empty-struct", item.name_span, message);
+        return Err(reader.reports.refuse(diagnostic.with_help("add a member")));
+    }
+    let made = Struct::new(Arc::from(item.name), body.members, body.opaque, item.name_span);
+    let ty = Type::Struct(Arc::new(made));
+    if ty.depth() > DEEPEST_NESTING {
+        return Err(reader.reports.refuse(report::too_deep(item.name_span)));
+    }
+    Ok(Typed { meaning: Meaning::Data(ty), facts: body.facts })
+}
+
+/// What was read of a structure so far.
+#[derive(Default)]
+struct Body {
+    members: Vec<Member>,
+    opaque: Vec<Arc<str>>,
+    facts: Facts,
+    /// Where the last member ends.
+    end: u32,
+    /// Comments that were given to a member.
+    seen: usize,
+    broken: bool,
+}
+
+/// `@align(16) name: type,`; returns its end.
+fn member<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    body: &mut Body,
+    comment: Vec<Span>,
+) -> Result<u32, Refused> {
+    let attributes = attributes::read(reader, lexer)?;
+    let name = lexer.next();
+    if name.kind != Kind::Word {
+        return Err(reader.reports.refuse(report::unexpected(lexer, name, "a member")));
+    }
+    types::expect(reader, lexer, b':', "`:`")?;
+    let type_at = report::span(lexer.peek());
+    // The text may go on behind a type that cannot be read; then the structure is none.
+    let typed = types::read(reader, lexer)?;
+    let (span, text) = (report::span(name), lexer.text_of(name));
+    if let Some(first) = body.members.iter().find(|member| &*member.name == text) {
+        reader.reports.push(report::duplicate(text, span, first.span));
+        body.broken = true;
+    }
+    if let Some(runtime) = body.facts.runtime {
+        let help = "make it the last member, or give it a number of elements";
+        let help = runtime.help(reader, help);
+        reader.reports.push(not_last(&body.members, runtime.at).with_help(help));
+        body.facts.runtime = None;
+        body.broken = true;
+    }
+    let end = member_end(reader, lexer)?;
+    body.facts = body.facts.and(typed.facts);
+    match typed.meaning {
+        Meaning::Data(ty) => {
+            if let (Type::Struct(inner), Some(runtime)) = (&ty, typed.facts.runtime) {
+                let help = "give the array a number of elements, or move it to the outer struct";
+                let help = runtime.help(reader, help);
+                let diagnostic = nested_runtime(&inner.name, type_at, runtime.at);
+                reader.reports.push(diagnostic.with_help(help));
+                body.broken = true;
+            }
+            body.members.push(Member {
+                align: attributes.align,
+                size: attributes.size,
+                comment,
+                ..Member::plain(Arc::from(text), ty, span)
+            });
+        }
+        Meaning::Opaque | Meaning::Bindings(..) => {
+            body.facts.opaque = body.facts.opaque.or(Some(type_at));
+            body.opaque.push(Arc::from(text));
+        }
+    }
+    Ok(end)
+}
+
+/// The `,` behind a member, or the end of the structure, which is left in place.
+fn member_end<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<u32, Refused> {
+    let next = lexer.peek();
+    match next.kind {
+        Kind::Sign(b',') => {
+            lexer.next();
+            Ok(next.end)
+        }
+        Kind::Sign(b'}') => Ok(next.start),
+        Kind::Sign(b';') => {
+            lexer.next();
+            reader.reports.push(
+                Diagnostic::error("syntax", report::span(next), "members end in `,`, not in `;`")
+                    .with_help("write `,`"),
+            );
+            Ok(next.end)
+        }
+        // A comma that was forgotten: the next member is read all the same.
+        Kind::Word | Kind::Sign(b'@') => {
+            reader.reports.push(report::unexpected(lexer, next, "`,` or `}`"));
+            Ok(next.start)
+        }
+        Kind::Number | Kind::Sign(_) | Kind::End => {
+            Err(reader.reports.refuse(report::unexpected(lexer, next, "`,` or `}`")))
+        }
+    }
+}
+
+/// From the start of a member with an error: goes on after the next `,` that ends a member; `true` at the structure's end.
+fn recover(lexer: &mut Lexer<'_>) -> bool {
+    let mut depth = 0i32;
+    loop {
+        let token: Token = lexer.next();
+        match token.kind {
+            Kind::Sign(b'(' | b'[' | b'<') => depth += 1,
+            Kind::Sign(b')' | b']' | b'>') => depth -= 1,
+            Kind::Sign(b',') if depth <= 0 => return false,
+            // A line break behind the comma ends the member whatever is open.
+            Kind::Sign(b',') if breaks_after(lexer, token) => return false,
+            Kind::Sign(b'}') | Kind::End => return true,
+            Kind::Word | Kind::Number | Kind::Sign(_) => {}
+        }
+    }
+}
+
+fn breaks_after(lexer: &Lexer<'_>, token: Token) -> bool {
+    let rest = &lexer.text()[token.end as usize..];
+    rest.trim_start_matches([' ', '\t', '\r']).starts_with('\n')
+}
+
+fn not_last(members: &[Member], runtime: Span) -> Diagnostic {
+    let name = members.last().map_or("", |member| &member.name);
+    let message = format!("`{name}` is runtime-sized, but it is not the last member");
+    Diagnostic::error("runtime-sized-array", runtime, message)
+}
+
+fn nested_runtime(inner: &str, at: Span, runtime: Span) -> Diagnostic {
+    let message = format!("`{inner}` ends in a runtime-sized array, so it cannot be a member");
+    Diagnostic::error("runtime-sized-array", at, message).with_label(runtime, "runtime-sized")
+}
+
+/// naga's predeclared `RayDesc`.
+pub(super) fn ray_desc() -> Type {
+    let member = |name: &str, ty: Type| Member::plain(Arc::from(name), ty, Span::default());
+    let vector = Type::Vector { scalar: Scalar::F32, rows: 3 };
+    let members = vec![
+        member("flags", Type::Scalar(Scalar::U32)),
+        member("cull_mask", Type::Scalar(Scalar::U32)),
+        member("tmin", Type::Scalar(Scalar::F32)),
+        member("tmax", Type::Scalar(Scalar::F32)),
+        member("origin", vector.clone()),
+        member("dir", vector),
+    ];
+    let name = Arc::from("RayDesc");
+    Type::Struct(Arc::new(Struct::new(name, members, Vec::new(), Span::default())))
+}

@@ -1,0 +1,387 @@
+//! Type expressions of WGSL (§6) to [`Type`].
+
+use std::sync::Arc;
+
+use super::lengths;
+use super::lengths::Length;
+use super::lexer::{Kind, Lexer, Token};
+use super::outline::Class;
+use super::predeclared;
+use super::predeclared::Predeclared;
+use super::reader::{Known, Reader};
+use super::report;
+use super::report::Refused;
+use super::structs;
+use crate::diagnostic::Diagnostic;
+use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
+use crate::source::Span;
+
+/// What a block may object to in a type, each with the place that says it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Facts {
+    /// A `bool`: it has no bytes in a buffer.
+    pub(super) boolean: Option<Span>,
+    /// An atomic: it can only be in storage.
+    pub(super) atomic: Option<Span>,
+    /// A texture, sampler or pointer inside a structure or array.
+    pub(super) opaque: Option<Span>,
+    /// An `f16`.
+    pub(super) half: Option<Span>,
+    /// It ends in a runtime-sized array, or in one whose override has no value.
+    pub(super) runtime: Option<Unsized>,
+    /// The length of an array that an override says.
+    pub(super) overridden: Option<Span>,
+}
+
+/// An array whose length the text alone does not say.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unsized {
+    pub(super) at: Span,
+    /// The override its length waits for, by its index in the outline.
+    pub(super) waits_for: Option<usize>,
+}
+
+impl Unsized {
+    /// What to do where a type must have a size.
+    pub(super) fn help(self, reader: &Reader<'_>, otherwise: &str) -> String {
+        match self.waits_for {
+            Some(index) => {
+                let name = reader.outline.items[index].name;
+                format!("`{name}` has no default: pass `-O {name}=VALUE`")
+            }
+            None => otherwise.to_string(),
+        }
+    }
+}
+
+impl Facts {
+    pub(super) fn and(self, other: Facts) -> Facts {
+        Facts {
+            boolean: self.boolean.or(other.boolean),
+            atomic: self.atomic.or(other.atomic),
+            opaque: self.opaque.or(other.opaque),
+            half: self.half.or(other.half),
+            runtime: self.runtime.or(other.runtime),
+            overridden: self.overridden.or(other.overridden),
+        }
+    }
+}
+
+/// What a type expression stands for.
+#[derive(Clone, Debug)]
+pub(super) enum Meaning {
+    /// Something with bytes.
+    Data(Type),
+    /// A texture, sampler, pointer or the like.
+    Opaque,
+    /// `binding_array<T, N>`: as many buffers.
+    Bindings(Box<Meaning>, ArrayLen),
+}
+
+/// A type expression that was read.
+#[derive(Clone, Debug)]
+pub(super) struct Typed {
+    pub(super) meaning: Meaning,
+    pub(super) facts: Facts,
+}
+
+impl Typed {
+    fn data(ty: Type) -> Typed {
+        Typed { meaning: Meaning::Data(ty), facts: Facts::default() }
+    }
+
+    fn scalars(ty: Type, scalar: Scalar, at: Span) -> Typed {
+        let facts = Facts {
+            boolean: (scalar.kind == ScalarKind::Bool).then_some(at),
+            half: (scalar == Scalar::F16).then_some(at),
+            ..Facts::default()
+        };
+        Typed { meaning: Meaning::Data(ty), facts }
+    }
+}
+
+/// Reads a type expression.
+pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Typed, Refused> {
+    let word = lexer.next();
+    if word.kind != Kind::Word {
+        return Err(reader.reports.refuse(report::unexpected(lexer, word, "a type")));
+    }
+    reader.deeper_type(report::span(word), |reader| named(reader, lexer, word))
+}
+
+/// The type a word begins, its template list read with it.
+pub(super) fn named<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    word: Token,
+) -> Result<Typed, Refused> {
+    let name = lexer.text_of(word);
+    let at = report::span(word);
+    if let Some(&index) = reader.outline.names.get(name) {
+        return declared(reader, index, at);
+    }
+    let Some(predeclared) = predeclared::lookup(name) else {
+        return Err(unknown(reader, name, at));
+    };
+    match predeclared {
+        Predeclared::Scalar(scalar) => Ok(Typed::scalars(Type::Scalar(scalar), scalar, at)),
+        Predeclared::Vector { rows, scalar } => {
+            let scalar = component(reader, lexer, word, scalar)?;
+            Ok(Typed::scalars(Type::Vector { scalar, rows }, scalar, at))
+        }
+        Predeclared::Matrix { columns, rows, scalar } => {
+            let scalar = component(reader, lexer, word, scalar)?;
+            if scalar.kind != ScalarKind::Float {
+                let message = format!("`{name}` has floating-point components only");
+                let diagnostic = Diagnostic::error("unknown-type", at, message);
+                return Err(reader.reports.refuse(diagnostic.with_help("write `f32`")));
+            }
+            Ok(Typed::scalars(Type::Matrix { scalar, columns, rows }, scalar, at))
+        }
+        Predeclared::Atomic => {
+            let scalar = component(reader, lexer, word, None)?;
+            let mut typed = Typed::data(Type::Atomic(scalar));
+            typed.facts.atomic = Some(at);
+            Ok(typed)
+        }
+        Predeclared::Array => array(reader, lexer, word),
+        Predeclared::BindingArray => {
+            let (element, length, _) = element_and_length(reader, lexer, word)?;
+            let meaning = Meaning::Bindings(Box::new(element.meaning), length.len);
+            Ok(Typed { meaning, facts: element.facts })
+        }
+        Predeclared::RayDesc => Ok(Typed::data(structs::ray_desc())),
+        Predeclared::Opaque => {
+            if lexer.take(b'<') {
+                skip_template(reader, lexer)?;
+            }
+            Ok(Typed { meaning: Meaning::Opaque, facts: Facts::default() })
+        }
+    }
+}
+
+/// A type the text declares.
+fn declared(reader: &mut Reader<'_>, index: usize, at: Span) -> Result<Typed, Refused> {
+    match reader.types.get(&index) {
+        Some(Known::Done(typed)) => return Ok(typed.clone()),
+        Some(Known::Broken) => return Err(Refused),
+        Some(Known::Open) => return Err(recursive(reader, index, at)),
+        None => {}
+    }
+    let item = &reader.outline.items[index];
+    let read = match item.class {
+        Class::Struct => structs::read,
+        Class::Alias => alias,
+        Class::Const | Class::Override | Class::Var | Class::Fn => {
+            let message = format!("`{}` is {}, not a type", item.name, item.class.described());
+            let diagnostic = Diagnostic::error("unknown-type", at, message)
+                .with_label(item.name_span, "defined here");
+            return Err(reader.reports.refuse(diagnostic));
+        }
+    };
+    reader.types.insert(index, Known::Open);
+    let result = reader.deeper_name(at, |reader| read(reader, index));
+    let known = match &result {
+        Ok(typed) => Known::Done(typed.clone()),
+        Err(Refused) => Known::Broken,
+    };
+    reader.types.insert(index, known);
+    result
+}
+
+/// `alias NAME = TYPE;`
+fn alias(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refused> {
+    let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
+    expect(reader, &mut lexer, b'=', "`=`")?;
+    let typed = read(reader, &mut lexer)?;
+    expect(reader, &mut lexer, b';', "`;`")?;
+    Ok(typed)
+}
+
+/// The component of a vector, matrix or atomic: in its name, or in its template list.
+fn component<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    word: Token,
+    named: Option<Scalar>,
+) -> Result<Scalar, Refused> {
+    if let Some(scalar) = named {
+        return Ok(scalar);
+    }
+    let name = lexer.text_of(word);
+    if !lexer.take(b'<') {
+        let message = format!("`{name}` does not say its component type");
+        let diagnostic = Diagnostic::error("unknown-type", report::span(word), message)
+            .with_help(format!("write `{name}<f32>`"));
+        return Err(reader.reports.refuse(diagnostic));
+    }
+    let at = report::span(lexer.peek());
+    let typed = read(reader, lexer)?;
+    close_template(reader, lexer)?;
+    match typed.meaning {
+        Meaning::Data(Type::Scalar(scalar)) => Ok(scalar),
+        Meaning::Data(_) | Meaning::Opaque | Meaning::Bindings(..) => {
+            let message = format!("the component of a `{name}` must be a scalar");
+            Err(reader.reports.refuse(Diagnostic::error("unknown-type", at, message)))
+        }
+    }
+}
+
+/// `array<E, N>` and `array<E>`.
+fn array<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    word: Token,
+) -> Result<Typed, Refused> {
+    let at = report::span(word);
+    let (element, length, element_at) = element_and_length(reader, lexer, word)?;
+    let mut facts = element.facts;
+    if let Some(runtime) = facts.runtime {
+        let message = "the elements of an array must have a size, and this type has none";
+        let help = runtime.help(reader, "give the inner array a number of elements");
+        let diagnostic = Diagnostic::error("runtime-sized-array", element_at, message)
+            .with_label(runtime.at, "runtime-sized")
+            .with_help(help);
+        return Err(reader.reports.refuse(diagnostic));
+    }
+    let ty = match element.meaning {
+        Meaning::Data(ty) => ty,
+        // Kept so that the rest can be read; the block that holds it is refused.
+        Meaning::Opaque | Meaning::Bindings(..) => {
+            facts.opaque = facts.opaque.or(Some(element_at));
+            return Ok(Typed { meaning: Meaning::Opaque, facts });
+        }
+    };
+    facts.overridden = facts.overridden.or(length.overridden);
+    facts.runtime = match length.len {
+        ArrayLen::Fixed(_) => None,
+        ArrayLen::Runtime | ArrayLen::Override(_) => {
+            Some(Unsized { at, waits_for: length.waits_for })
+        }
+    };
+    let ty = Type::Array { element: Arc::new(ty), len: length.len };
+    if ty.depth() > crate::shape::DEEPEST_NESTING {
+        return Err(reader.reports.refuse(report::too_deep(at)));
+    }
+    Ok(Typed { meaning: Meaning::Data(ty), facts })
+}
+
+fn element_and_length<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    word: Token,
+) -> Result<(Typed, Length, Span), Refused> {
+    if !lexer.take(b'<') {
+        let name = lexer.text_of(word);
+        let message = format!("`{name}` does not say its element type");
+        let diagnostic = Diagnostic::error("unknown-type", report::span(word), message)
+            .with_help(format!("write `{name}<f32, 4>`"));
+        return Err(reader.reports.refuse(diagnostic));
+    }
+    let at = report::span(lexer.peek());
+    let element = read(reader, lexer)?;
+    let length = if lexer.take(b',') && !lexer.peek().is(b'>') {
+        lengths::read(reader, lexer)?
+    } else {
+        Length { len: ArrayLen::Runtime, waits_for: None, overridden: None }
+    };
+    close_template(reader, lexer)?;
+    Ok((element, length, at))
+}
+
+fn close_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+    lexer.take(b',');
+    expect(reader, lexer, b'>', "`>`")
+}
+
+/// Passes that sign, or says that it is missing.
+pub(super) fn expect<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    sign: u8,
+    shown: &str,
+) -> Result<(), Refused> {
+    if lexer.take(sign) {
+        return Ok(());
+    }
+    let found = lexer.peek();
+    Err(reader.reports.refuse(report::unexpected(lexer, found, shown)))
+}
+
+/// From after a `<` past its `>`.
+fn skip_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+    let mut depth = 1u32;
+    while depth > 0 {
+        let token = lexer.next();
+        match token.kind {
+            Kind::Sign(b'<') => depth += 1,
+            Kind::Sign(b'>') => depth -= 1,
+            Kind::Sign(b';' | b'{' | b'}') | Kind::End => {
+                return Err(reader.reports.refuse(report::unexpected(lexer, token, "`>`")));
+            }
+            Kind::Word | Kind::Number | Kind::Sign(_) => {}
+        }
+    }
+    Ok(())
+}
+
+fn unknown(reader: &mut Reader<'_>, name: &str, at: Span) -> Refused {
+    let diagnostic = Diagnostic::error("unknown-type", at, format!("there is no type `{name}`"));
+    let declared = reader.outline.items.iter().filter(|item| match item.class {
+        Class::Struct | Class::Alias => true,
+        Class::Const | Class::Override | Class::Var | Class::Fn => false,
+    });
+    let known = declared.map(|item| item.name).chain(predeclared::NAMES);
+    let diagnostic = match glsl_habit(name) {
+        Some(ours) => diagnostic.with_help(format!("write `{ours}`")),
+        None => report::misspelt(diagnostic, name, known),
+    };
+    reader.reports.refuse(diagnostic)
+}
+
+/// What GLSL and HLSL writers type out of habit.
+fn glsl_habit(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "float" | "double" => "f32",
+        "int" => "i32",
+        "uint" => "u32",
+        "half" => "f16",
+        "float2" => "vec2f",
+        "float3" => "vec3f",
+        "float4" => "vec4f",
+        "mat2" | "float2x2" => "mat2x2f",
+        "mat3" | "float3x3" => "mat3x3f",
+        "mat4" | "float4x4" => "mat4x4f",
+        _ => return None,
+    })
+}
+
+fn recursive(reader: &mut Reader<'_>, index: usize, at: Span) -> Refused {
+    let item = &reader.outline.items[index];
+    let message = format!("`{}` contains itself", item.name);
+    reader.reports.refuse(
+        Diagnostic::error("recursive-struct", at, message)
+            .with_label(item.name_span, "defined here")
+            .with_help("hold an index into an array of them instead"),
+    )
+}
+
+/// The type a constructor names; `None` when no constructor of it is evaluated here.
+pub(super) fn constructed<'a>(
+    reader: &mut Reader<'a>,
+    lexer: &mut Lexer<'a>,
+    word: Token,
+) -> Result<Option<Type>, Refused> {
+    let matrix = matches!(
+        predeclared::lookup(lexer.text_of(word)),
+        Some(Predeclared::Matrix { scalar: None, .. })
+    );
+    if matrix && !lexer.peek().is(b'<') {
+        return Ok(None);
+    }
+    let typed = reader.deeper_type(report::span(word), |reader| named(reader, lexer, word))?;
+    Ok(match typed.meaning {
+        Meaning::Data(ty) => Some(ty),
+        Meaning::Opaque | Meaning::Bindings(..) => None,
+    })
+}

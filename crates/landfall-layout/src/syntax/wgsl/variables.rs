@@ -1,0 +1,199 @@
+//! Module-scope variables (§7.3) to [`Block`].
+
+use std::sync::Arc;
+
+use super::attributes;
+use super::attributes::Attributes;
+use super::lexer::Lexer;
+use super::outline::Item;
+use super::reader::Reader;
+use super::report;
+use super::report::Refused;
+use super::types;
+use super::types::{Facts, Meaning};
+use crate::diagnostic::Diagnostic;
+use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, Member, Rules, Type, Written};
+use crate::source::Span;
+
+/// Address spaces without a buffer that a program fills.
+const NO_BUFFER: [&str; 8] = [
+    "private",
+    "workgroup",
+    "function",
+    "handle",
+    "task_payload",
+    "ray_payload",
+    "incoming_ray_payload",
+    "pixel_local",
+];
+
+/// The block of a variable, if it is a buffer.
+pub(super) fn block<'a>(
+    reader: &mut Reader<'a>,
+    item: &Item<'a>,
+) -> Result<Option<Block>, Refused> {
+    let Some(space) = address_space(reader, item)? else { return Ok(None) };
+    let mut lexer = Lexer::new(reader.text, item.rest);
+    types::expect(reader, &mut lexer, b':', "`:`")?;
+    let type_at = report::span(lexer.peek());
+    let typed = types::read(reader, &mut lexer)?;
+    types::expect(reader, &mut lexer, b';', "`;`")?;
+    // A number that cannot be read is reported; the layout does not depend on it.
+    let attributes = attributes::of_item(reader, item).unwrap_or_default();
+    check(reader, item, space, typed.facts, type_at)?;
+    let (meaning, count) = match typed.meaning {
+        Meaning::Bindings(element, len) => (*element, vec![len]),
+        meaning @ (Meaning::Data(_) | Meaning::Opaque) => (meaning, Vec::new()),
+    };
+    let Meaning::Data(ty) = meaning else {
+        return Err(reader.reports.refuse(opaque(item, type_at, type_at)));
+    };
+    Ok(Some(made(item, space, attributes, ty, count)))
+}
+
+fn made(
+    item: &Item<'_>,
+    space: AddressSpace,
+    attributes: Attributes,
+    ty: Type,
+    count: Vec<ArrayLen>,
+) -> Block {
+    let number = |written: Option<Written>| written.and_then(|w| u32::try_from(w.value).ok());
+    let variable: Arc<str> = Arc::from(item.name);
+    let (name, instance, members) = match ty {
+        Type::Struct(s) => (s.name.clone(), Some(variable), s.members.clone()),
+        ty => {
+            let member = Member::plain(variable.clone(), ty, item.name_span);
+            (variable, None, vec![member])
+        }
+    };
+    Block {
+        name,
+        instance,
+        space,
+        rules: Rules::Wgsl,
+        rules_declared: true,
+        group: number(attributes.group),
+        binding: number(attributes.binding),
+        count,
+        majorness: Majorness::Column,
+        members,
+        opaque: Vec::new(),
+        offset_order: crate::shape::OffsetOrder::Ascending,
+        span: item.name_span,
+        comment: item.comment.clone(),
+    }
+}
+
+/// Where the variable lives, if that is a buffer.
+fn address_space(
+    reader: &mut Reader<'_>,
+    item: &Item<'_>,
+) -> Result<Option<AddressSpace>, Refused> {
+    let Some((name, at)) = item.space else { return Ok(None) };
+    match name {
+        "uniform" => Ok(Some(AddressSpace::Uniform)),
+        "storage" => Ok(Some(AddressSpace::Storage)),
+        // `push_constant` is what naga called it before version 28.
+        "immediate" | "push_constant" => Ok(Some(AddressSpace::PushConstant)),
+        _ if NO_BUFFER.contains(&name) => Ok(None),
+        _ => {
+            let message = format!("there is no address space named `{name}`");
+            let known = ["uniform", "storage", "immediate"].into_iter().chain(NO_BUFFER);
+            let diagnostic = Diagnostic::error("unknown-address-space", at, message);
+            Err(reader.reports.refuse(report::misspelt(diagnostic, name, known)))
+        }
+    }
+}
+
+/// What a type must not hold to be in that address space.
+fn check(
+    reader: &mut Reader<'_>,
+    item: &Item<'_>,
+    space: AddressSpace,
+    facts: Facts,
+    type_at: Span,
+) -> Result<(), Refused> {
+    let name = item.name;
+    let mut refused = false;
+    if let Some(at) = facts.boolean {
+        refused = true;
+        reader.reports.push(
+            Diagnostic::error(
+                "not-host-shareable",
+                at,
+                format!("`{name}` holds a bool, which is not host-shareable"),
+            )
+            .with_label(item.name_span, "in this buffer")
+            .with_help("write `u32`, and compare with `!= 0u`"),
+        );
+    }
+    if let Some(at) = facts.opaque {
+        refused = true;
+        reader.reports.push(opaque(item, at, type_at));
+    }
+    if let (Some(at), true) = (facts.atomic, space != AddressSpace::Storage) {
+        refused = true;
+        reader.reports.push(
+            Diagnostic::error(
+                "not-host-shareable",
+                at,
+                format!("`{name}` holds an atomic, which cannot be in {} memory", space.name()),
+            )
+            .with_label(item.name_span, "in this buffer")
+            .with_help("write `var<storage, read_write>`, or the plain type without `atomic`"),
+        );
+    }
+    if let (Some(runtime), true) = (facts.runtime, space != AddressSpace::Storage) {
+        refused = true;
+        let help = "write `var<storage>`, or give the array a number of elements";
+        let help = runtime.help(reader, help);
+        reader.reports.push(
+            Diagnostic::error(
+                "runtime-sized-array",
+                runtime.at,
+                format!("`{name}` is runtime-sized, which {} memory cannot be", space.name()),
+            )
+            .with_label(item.name_span, "in this buffer")
+            .with_help(help),
+        );
+    }
+    if let (Some(at), false, false) = (facts.half, reader.outline.f16, reader.warned_f16) {
+        reader.warned_f16 = true;
+        reader.reports.push(
+            Diagnostic::warning("f16-not-enabled", at, "`f16` is used but not enabled")
+                .with_help("write `enable f16;` as the first line"),
+        );
+    }
+    if refused {
+        return Err(Refused);
+    }
+    if let Some(at) = facts.overridden {
+        reader.reports.push(override_sized(item, at));
+    }
+    Ok(())
+}
+
+/// WGSL §6.2.9: only a workgroup variable may be sized so; naga 30 and Tint refuse buffers.
+fn override_sized(item: &Item<'_>, at: Span) -> Diagnostic {
+    let message = format!(
+        "`{}` is sized by an override, which WGSL allows in workgroup memory only",
+        item.name
+    );
+    Diagnostic::warning("override-sized-array", at, message)
+        .with_label(item.name_span, "in this buffer")
+        .with_note("the layout is the one that the override's present value gives")
+        .with_help("size it by a `const`, or leave the length out")
+}
+
+fn opaque(item: &Item<'_>, at: Span, type_at: Span) -> Diagnostic {
+    let message = format!("`{}` holds a texture, sampler or pointer: it has no bytes", item.name);
+    let diagnostic = Diagnostic::error("not-host-shareable", at, message);
+    if at == type_at {
+        diagnostic.with_help("declare it as a variable without an address space")
+    } else {
+        diagnostic
+            .with_label(item.name_span, "in this buffer")
+            .with_help("declare it as a variable of its own, outside the struct")
+    }
+}

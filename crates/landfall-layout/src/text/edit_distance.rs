@@ -1,0 +1,29 @@
+//! Edit distance between names, for suggestions.
+
+/// The known name a misspelt one is closest to, if it is close.
+pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    let bound = if name.len() < 4 { 1 } else { 2 };
+    known
+        .map(|other| (distance(name, other), other))
+        .filter(|(distance, _)| *distance <= bound)
+        .min()
+        .map(|(_, other)| other)
+}
+
+/// Edits between two names: a letter added, taken away or changed; case does not count.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b) = (a.to_ascii_lowercase().into_bytes(), b.to_ascii_lowercase().into_bytes());
+    if a.len().abs_diff(b.len()) > 2 {
+        return usize::MAX;
+    }
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, y) in b.iter().enumerate() {
+            let change = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = change.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

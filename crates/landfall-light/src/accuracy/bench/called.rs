@@ -1,0 +1,169 @@
+//! A function over the calls of a bench by the evaluator, as a workload.
+//!
+//! Takes [`Calls`]; what is subtracted is a kernel of the same words that
+//! computes nothing.
+
+use std::borrow::Cow;
+use std::hint::black_box;
+use std::time::Duration;
+
+use super::clock::Took;
+use super::errors::{Errors, Results};
+use super::function::{Calls, Kinds};
+use super::kernel::kernel;
+use super::report::{Permitted, Work};
+use super::rounds::{Part, Workload};
+use crate::accuracy::permitted::farthest;
+use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::interp::{Floats, Precision, Settings};
+
+/// A function and the words it is called with, whoever calls it.
+#[derive(Debug)]
+pub struct Variant<'a> {
+    calls: &'a Calls,
+    pure: &'a Pure,
+    kinds: Kinds,
+    columns: Cow<'a, [Vec<u64>]>,
+    /// What is subtracted.
+    trivial: Option<Pure>,
+}
+
+impl<'a> Variant<'a> {
+    /// A function to be called as the first of a bench is.
+    ///
+    /// # Errors
+    /// It takes or gives something else.
+    pub fn new(calls: &'a Calls, first: &Pure, pure: &'a Pure) -> Result<Variant<'a>, String> {
+        let columns = calls.given(first, pure)?;
+        let kinds = Kinds::of(pure);
+        if let Some(truth) = calls.truth().iter().flatten().next() {
+            let given = [kinds.floats.len(), kinds.wholes.len()];
+            let wanted = [truth.floats.len(), truth.wholes.len()];
+            if given != wanted {
+                let numbers = |[floats, wholes]: [usize; 2]| match wholes {
+                    0 => format!("{floats} floats"),
+                    wholes => format!("{floats} floats and {wholes} whole numbers or truths"),
+                };
+                let message = format!(
+                    "`{}` gives {}, and the truth is {}",
+                    pure.shown,
+                    numbers(given),
+                    numbers(wanted)
+                );
+                return Err(message);
+            }
+        }
+        Ok(Variant { calls, pure, kinds, columns, trivial: kernel(pure) })
+    }
+
+    pub(super) fn pure(&self) -> &'a Pure {
+        self.pure
+    }
+
+    pub(super) fn trivial(&self) -> Option<&Pure> {
+        self.trivial.as_ref()
+    }
+
+    pub(super) fn kinds(&self) -> &Kinds {
+        &self.kinds
+    }
+
+    /// What each call should give; none where that is undefined.
+    pub(super) fn truth(&self) -> &'a [Option<Results>] {
+        self.calls.truth()
+    }
+
+    /// The words of each scalar, the calls of a run, and how long a job may take.
+    pub(super) fn given(&self) -> (&[Vec<u64>], usize, Duration) {
+        (&self.columns, self.calls.count(), self.calls.limit())
+    }
+
+    /// What the evaluator gives, how far that is from the truth, and its work.
+    ///
+    /// # Errors
+    /// It does not end, or does what the evaluator does not know.
+    pub fn judged(&self) -> Result<(Errors, Work), String> {
+        let Variant { calls, pure, kinds, columns, .. } = self;
+        let settings = calls.settings(Precision::Single);
+        let called =
+            pure.call(columns, calls.count(), &settings).map_err(|failure| failure.brief())?;
+        let each =
+            calls.truth().iter().enumerate().map(|(lane, truth)| {
+                (kinds.results(&called, lane, Precision::Single), truth.clone())
+            });
+        let operations = called.called.notes.counts.operations() as f64;
+        let work = Work {
+            operations: Some(operations / calls.count().max(1) as f64),
+            bytes: Some(self.bytes()),
+            ..Work::default()
+        };
+        Ok((Errors::of_calls(each), work))
+    }
+
+    /// Bytes of what all calls of a run are given.
+    fn bytes(&self) -> u64 {
+        let scalars = self.pure.parameters.iter().flat_map(|parameter| parameter.ty.scalars());
+        // A truth is a word where it is uploaded, and so is half of one.
+        let each: u64 = scalars.map(|scalar| u64::from(scalar.width.max(4))).sum();
+        each * self.calls.count() as u64
+    }
+
+    /// How far from the truth any conformant device may be; none where that is not known, as of
+    /// a function whose floats are rounded to less.
+    pub fn permitted(&self, floats: Floats) -> Option<Permitted> {
+        match floats {
+            Floats::AsWritten => {}
+            Floats::Half | Floats::Mediump => return None,
+        }
+        let Variant { calls, pure, kinds, columns, .. } = self;
+        // Each call is on its own, and no time is counted.
+        let settings = Settings { threads: 0, ..calls.settings(Precision::Permitted) };
+        let called = pure.call(columns, calls.count(), &settings).ok()?;
+        let (mut steps, mut unsure) = (Vec::with_capacity(calls.count()), 0);
+        for (lane, truth) in calls.truth().iter().enumerate() {
+            let Some(truth) = truth else { continue };
+            let most = farthest(&called, &kinds.floats, lane, &truth.floats)?;
+            unsure += u64::from(most.unsure);
+            steps.push(most.steps);
+        }
+        (!steps.is_empty()).then(|| Permitted::of(&mut steps, unsure))
+    }
+}
+
+/// A variant by the evaluator.
+#[derive(Debug)]
+pub struct Called<'a> {
+    variant: &'a Variant<'a>,
+}
+
+impl<'a> Called<'a> {
+    /// A variant as a workload.
+    pub fn new(variant: &'a Variant<'a>) -> Called<'a> {
+        Called { variant }
+    }
+}
+
+impl Workload for Called<'_> {
+    fn has(&self, part: Part) -> bool {
+        match part {
+            Part::Whole => true,
+            Part::Unlit => false,
+            Part::Trivial => self.variant.trivial.is_some(),
+        }
+    }
+
+    fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
+        let Variant { calls, pure, columns, trivial, .. } = self.variant;
+        let pure = match (part, trivial) {
+            (Part::Whole, _) => *pure,
+            (Part::Trivial, Some(trivial)) => trivial,
+            (Part::Trivial, None) | (Part::Unlit, _) => {
+                return Err("it has no such part".to_string());
+            }
+        };
+        let settings = calls.settings(Precision::Single);
+        let called = pure.call(black_box(columns), calls.count(), &settings);
+        black_box(called.map_err(|failure| failure.brief())?);
+        Ok(None)
+    }
+}

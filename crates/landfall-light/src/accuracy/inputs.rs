@@ -1,0 +1,54 @@
+//! What a function is called with: its inputs by role, what they may be, and values like those of
+//! published scenes.
+//!
+//! Made of a [`Pure`]; [`stress`](super::stress) looks among them for what breaks,
+//! [`bench`](mod@super::bench) takes the ordinary ones.
+
+pub(super) mod comments;
+pub mod domain;
+pub(super) mod input;
+pub(super) mod matched;
+pub(super) mod random;
+pub mod role;
+mod samples;
+pub(super) mod scene;
+
+use serde_json::Value;
+
+pub(super) use input::Inputs;
+pub use input::{Input, Sample};
+pub(super) use samples::published;
+
+use domain::{Domain, Refused};
+use landfall_exec::harness::call::pure::Pure;
+use landfall_layout::Diagnostic;
+use landfall_layout::source::Source;
+
+/// What the inputs of a function may be: by comments of its shader, then by JSON.
+pub(super) fn domain(
+    source: &Source,
+    pure: &Pure,
+    inputs: &[Input],
+    json: Option<&Value>,
+) -> Result<Domain, Diagnostic> {
+    let mut domain = Domain::any(inputs);
+    let name = pure.shown.split('(').next().unwrap_or_default().to_string();
+    for file in pure.files.iter() {
+        comments::add(&mut domain, &file.text, &name, inputs)
+            .map_err(|refused| bad(refused, &source.path))?;
+    }
+    if let Some(json) = json {
+        domain.add_json(json, inputs).map_err(|refused| bad(refused, "--domain"))?;
+    }
+    Ok(domain)
+}
+
+fn bad(refused: Refused, about: &str) -> Diagnostic {
+    Diagnostic::about("bad-domain", refused.message, refused.help, about)
+}
+
+/// Samples by scalar.
+pub(super) fn columns(samples: &[Sample]) -> Vec<Vec<u64>> {
+    let scalars = samples.first().map_or(0, Vec::len);
+    (0..scalars).map(|at| samples.iter().map(|sample| sample[at]).collect()).collect()
+}

@@ -1,0 +1,154 @@
+//! The inputs of a function, flat: vectors and scalars with their paths and roles.
+//!
+//! Made of a [`Pure`]; samples are filled by them, findings name them.
+
+use super::role::{Role, role};
+use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::interp::ValueType;
+use landfall_layout::shape::{Scalar, ScalarKind};
+
+/// A scalar, vector or matrix that a function reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// The way to it: `light.position`.
+    pub path: String,
+    /// What the structure it is a member of is named, and the member; empty of a plain parameter.
+    pub member: Option<(String, String)>,
+    /// The number of its first scalar.
+    pub first: usize,
+    /// How many scalars it has.
+    pub len: usize,
+    /// Rows of a vector, 1 of a scalar; of a matrix, those of a column.
+    pub rows: usize,
+    /// What its scalars are.
+    pub scalar: Scalar,
+    /// What it is for.
+    pub role: Role,
+    /// The way to the structure it is in; what one light has in common.
+    pub owner: String,
+}
+
+impl Input {
+    /// Whether its scalars are `f32`.
+    pub fn is_float(&self) -> bool {
+        self.scalar.kind == ScalarKind::Float && self.scalar.width <= 4
+    }
+
+    /// Whether it is a float vector, not a matrix.
+    pub fn is_vector(&self) -> bool {
+        self.is_float() && self.len > 1 && self.len == self.rows
+    }
+
+    /// Whether it is one float.
+    pub fn is_number(&self) -> bool {
+        self.is_float() && self.len == 1
+    }
+
+    /// One of its scalars as a number.
+    pub fn number(&self, word: u64) -> f64 {
+        match (self.scalar.kind, self.scalar.width) {
+            (ScalarKind::Float, 8) => f64::from_bits(word),
+            (ScalarKind::Sint, 8) => word as i64 as f64,
+            (ScalarKind::Uint, 8) => word as f64,
+            (ScalarKind::Sint, _) => f64::from(word as u32 as i32),
+            (ScalarKind::Uint | ScalarKind::Bool, _) => f64::from(word as u32),
+            (
+                ScalarKind::Float
+                | ScalarKind::Bfloat
+                | ScalarKind::FloatE5m2
+                | ScalarKind::FloatE4m3,
+                _,
+            ) => f64::from(f32::from_bits(word as u32)),
+        }
+    }
+
+    /// Its scalars.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.len
+    }
+}
+
+/// The words of one sample, a scalar each.
+pub type Sample = Vec<u64>;
+
+/// A scalar of a sample as a float.
+pub fn float(sample: &[u64], at: usize) -> f32 {
+    f32::from_bits(sample[at] as u32)
+}
+
+/// What a function is given; what is bound beside it stays zero.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    read: Vec<Input>,
+    /// Scalars of a sample, those that are not read too.
+    pub scalars: usize,
+}
+
+impl std::ops::Deref for Inputs {
+    type Target = [Input];
+
+    fn deref(&self) -> &[Input] {
+        &self.read
+    }
+}
+
+/// The inputs among the parameters that are sampled, in the order of their scalars.
+pub(super) fn inputs_of(pure: &Pure, sampled: &[bool]) -> Inputs {
+    let mut all = Vec::new();
+    let mut first = 0;
+    for (parameter, sampled) in pure.parameters.iter().zip(sampled) {
+        let before = all.len();
+        push(&parameter.ty, parameter.path.clone(), None, &mut first, &mut all);
+        if !sampled {
+            all.truncate(before);
+        }
+    }
+    // An inner cut-off is one only beside an outer one.
+    let outer: Vec<String> = all
+        .iter()
+        .filter(|input: &&Input| input.role == Role::OuterCosine)
+        .map(|input| input.owner.clone())
+        .collect();
+    for input in &mut all {
+        if input.role == Role::ConeCosine && outer.contains(&input.owner) {
+            input.role = Role::InnerCosine;
+        }
+    }
+    Inputs { read: all, scalars: first }
+}
+
+fn push(
+    ty: &ValueType,
+    path: String,
+    member: Option<(String, String)>,
+    first: &mut usize,
+    all: &mut Vec<Input>,
+) {
+    let mut leaf = |scalar: Scalar, len: usize, rows: usize| {
+        let integer = scalar.kind != ScalarKind::Float;
+        let owner = path.rsplit_once('.').map_or("", |(owner, _)| owner).to_string();
+        let role = if len == rows { role(&path, rows, integer) } else { Role::Other };
+        let (path, member) = (path.clone(), member.clone());
+        all.push(Input { path, member, first: *first, len, rows, scalar, role, owner });
+        *first += len;
+    };
+    match ty {
+        ValueType::Scalar(scalar) => leaf(*scalar, 1, 1),
+        ValueType::Vector { scalar, rows } => leaf(*scalar, usize::from(*rows), usize::from(*rows)),
+        ValueType::Matrix { scalar, columns, rows } => {
+            let rows = usize::from(*rows);
+            leaf(*scalar, usize::from(*columns) * rows, rows);
+        }
+        ValueType::Array { element, len } => {
+            for index in 0..*len {
+                push(element, format!("{path}[{index}]"), member.clone(), first, all);
+            }
+        }
+        ValueType::Struct { name, members } => {
+            for (member, ty) in members {
+                let of = Some((name.clone(), member.clone()));
+                push(ty, format!("{path}.{member}"), of, first, all);
+            }
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Values like those of published scenes, by the role of each input: a light, a fragment before
+//! it, an eye, a cone, placed so that the interesting cases happen.
+//!
+//! Feeds [`samples`](super::samples) and the generator of [`stress`](crate::accuracy::stress).
+
+use super::input::{Input, Inputs, Sample};
+use super::random::Random;
+use super::role::Role;
+use landfall_layout::shape::ScalarKind;
+
+/// How light, fragment and eye stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::accuracy) enum Geometry {
+    Ordinary,
+    /// The fragment on the axis of the cone.
+    OnAxis,
+    /// Between the inner and the outer cone.
+    InRamp,
+    /// On the outer cone.
+    AtEdge,
+    /// The eye in the mirror direction.
+    Mirror,
+    /// The light below the horizon, the eye in its mirror direction.
+    Behind,
+    Near,
+    Far,
+    /// The light on the horizon.
+    Grazing,
+}
+
+pub(in crate::accuracy) const GEOMETRIES: [Geometry; 9] = [
+    Geometry::Ordinary,
+    Geometry::OnAxis,
+    Geometry::InRamp,
+    Geometry::AtEdge,
+    Geometry::Mirror,
+    Geometry::Behind,
+    Geometry::Near,
+    Geometry::Far,
+    Geometry::Grazing,
+];
+
+/// Half angles of inner and outer cone, in degrees.
+pub(in crate::accuracy) const CONES: [(f64, f64); 6] =
+    [(12.5, 17.5), (12.5, 15.0), (30.0, 60.0), (0.5, 1.0), (0.1, 0.2), (0.05, 0.06)];
+
+/// Exponents of highlights.
+pub(in crate::accuracy) const SHINES: [f32; 10] =
+    [32.0, 1.0, 10.0, 64.0, 256.0, 1024.0, 4096.0, 65536.0, 1.0e6, 1.0e7];
+
+/// Constant, linear and quadratic of Ogre's table; the last is a light without a constant.
+const ATTENUATIONS: [[f32; 3]; 8] = [
+    [1.0, 0.7, 1.8],
+    [1.0, 0.35, 0.44],
+    [1.0, 0.22, 0.20],
+    [1.0, 0.14, 0.07],
+    [1.0, 0.09, 0.032],
+    [1.0, 0.045, 0.0075],
+    [1.0, 0.007, 0.0002],
+    [0.0, 0.0, 1.0],
+];
+
+type V = [f64; 3];
+
+fn add(a: V, b: V, scale: f64) -> V {
+    [0, 1, 2].map(|i| a[i] + b[i] * scale)
+}
+
+fn dot(a: V, b: V) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn unit(a: V) -> V {
+    let length = dot(a, a).sqrt();
+    a.map(|x| x / length)
+}
+
+/// A vector as `f32` has it.
+fn single(a: V) -> V {
+    a.map(|x| f64::from(x as f32))
+}
+
+/// A direction at an angle from another.
+fn turned(a: V, angle: f64, random: &mut Random) -> V {
+    let side = loop {
+        let side = random.direction();
+        let side = add(side, a, -dot(side, a));
+        if dot(side, side) > 1e-3 {
+            break unit(side);
+        }
+    };
+    add(a.map(|x| x * angle.cos()), side, angle.sin())
+}
+
+/// What is chosen of a scene before its values are.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::accuracy) struct Setting {
+    pub geometry: Geometry,
+    pub cone: usize,
+    pub shine: usize,
+}
+
+impl Setting {
+    pub fn random(random: &mut Random) -> Setting {
+        Setting {
+            geometry: *random.pick(&GEOMETRIES),
+            cone: random.below(CONES.len()),
+            shine: random.below(SHINES.len()),
+        }
+    }
+
+    /// A number of its own.
+    pub fn tag(self) -> usize {
+        let geometry = GEOMETRIES.iter().position(|g| *g == self.geometry).unwrap_or(0);
+        (geometry * CONES.len() + self.cone) * SHINES.len() + self.shine
+    }
+}
+
+/// One light as the fragment sees it.
+struct Light {
+    position: V,
+    to_light: V,
+    distance: f64,
+    axis: V,
+    cone: (f64, f64),
+    attenuation: [f32; 3],
+}
+
+fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Light {
+    let behind = setting.geometry == Geometry::Behind;
+    let height = match setting.geometry {
+        Geometry::Behind => -random.between(0.01, 0.4),
+        Geometry::Grazing => random.scale(1e-6, 1e-2),
+        _ => random.between(0.05, 1.0),
+    };
+    let flat = turned(normal, std::f64::consts::FRAC_PI_2, random);
+    let to_light = add(flat.map(|x| x * (1.0 - height * height).sqrt()), normal, height);
+    let distance = match setting.geometry {
+        Geometry::Near => random.scale(1e-6, 1e-2),
+        Geometry::Far => random.scale(1e2, 1e5),
+        Geometry::Mirror => random.scale(0.1, 3.0),
+        _ => random.scale(0.1, 50.0),
+    };
+    let position = single(add(fragment, to_light, distance));
+    let path = add(position, fragment, -1.0);
+    let (distance, to_light) = match dot(path, path) > 0.0 {
+        true => (dot(path, path).sqrt(), unit(path)),
+        false => (0.0, to_light),
+    };
+    let cone = CONES[setting.cone];
+    let (inner, outer) = (cone.0.to_radians(), cone.1.to_radians());
+    let angle = match setting.geometry {
+        Geometry::OnAxis => 0.0,
+        Geometry::InRamp => random.between(inner, outer),
+        Geometry::AtEdge => outer,
+        _ if behind => 0.0,
+        _ => random.between(0.0, 2.0 * outer),
+    };
+    let axis = turned(to_light.map(|x| -x), angle, random);
+    let attenuation = *random.pick(&ATTENUATIONS);
+    Light { position, to_light, distance, axis, cone: (inner.cos(), outer.cos()), attenuation }
+}
+
+/// A sample of those inputs as a scene has them; the light of one owner is as the setting says.
+pub(in crate::accuracy) fn sample(
+    inputs: &Inputs,
+    setting: Setting,
+    random: &mut Random,
+) -> Sample {
+    let mut to = vec![0u64; inputs.scalars];
+    let fragment = single([0; 3].map(|_| random.between(-5.0, 5.0)));
+    let normal = random.direction();
+    let owners: Vec<&str> = {
+        let lit =
+            |i: &&Input| i.role == Role::LightPosition || i.role.is_cone() || i.role == Role::Axis;
+        let mut owners: Vec<&str> = inputs.iter().filter(lit).map(|i| i.owner.as_str()).collect();
+        owners.dedup();
+        owners
+    };
+    let focus = if owners.is_empty() { "" } else { *random.pick(&owners) };
+    let main = light(&setting, fragment, normal, random);
+    let mirror = add(normal.map(|x| 2.0 * dot(normal, main.to_light) * x), main.to_light, -1.0);
+    let to_view = match setting.geometry {
+        Geometry::Mirror => mirror,
+        Geometry::Behind => {
+            let lift = (0.02 - dot(mirror, normal)).max(0.0);
+            unit(add(mirror, normal, lift))
+        }
+        _ if random.chance(0.5) => turned(mirror, random.scale(1e-4, 0.5), random),
+        _ => {
+            let v = random.direction();
+            if dot(v, normal) < 0.0 { v.map(|x| -x) } else { v }
+        }
+    };
+    let view = add(fragment, to_view, random.scale(0.5, 20.0));
+    let mut others: Vec<(String, Light)> = Vec::new();
+    for input in inputs.iter() {
+        if !input.is_float() {
+            integers(input, &mut to, random);
+            continue;
+        }
+        let of_light = input.role == Role::LightPosition
+            || input.role == Role::Axis
+            || input.role.is_cone()
+            || input.role.is_attenuation();
+        let nested = |owner: &str| {
+            input.owner == owner
+                || input.owner.starts_with(&format!("{owner}."))
+                || owner.starts_with(&format!("{}.", input.owner))
+        };
+        let main_light = focus.is_empty() || input.owner.is_empty() || nested(focus) || !of_light;
+        let lamp = if main_light {
+            &main
+        } else {
+            let known = others.iter().position(|(owner, _)| *owner == input.owner);
+            let known = known.unwrap_or_else(|| {
+                let setting = Setting { geometry: Geometry::Ordinary, ..Setting::random(random) };
+                let other = light(&setting, fragment, normal, random);
+                others.push((input.owner.clone(), other));
+                others.len() - 1
+            });
+            &others[known].1
+        };
+        let mut put = |values: &[f64], last: f64| {
+            for (i, at) in input.range().enumerate() {
+                let x = values.get(i).copied().unwrap_or(last);
+                to[at] = u64::from((x as f32).to_bits());
+            }
+        };
+        match input.role {
+            Role::LightPosition => put(&lamp.position, 1.0),
+            Role::FragmentPosition => put(&fragment, 1.0),
+            Role::ViewPosition => put(&view, 1.0),
+            Role::Axis => {
+                let length = if random.chance(0.5) { 1.0 } else { random.scale(0.5, 2.0) };
+                put(&lamp.axis.map(|x| x * length), 0.0);
+            }
+            Role::ToLight => put(&lamp.to_light, 0.0),
+            Role::ToView => put(&to_view, 0.0),
+            Role::Normal => put(&normal, 0.0),
+            Role::Halfway => put(&unit(add(main.to_light, to_view, 1.0 + 1e-9)), 0.0),
+            Role::Reflected => put(&mirror, 0.0),
+            Role::Color => {
+                let value = *random.pick(&[0.05, 0.2, 0.5, 0.8, 1.0]);
+                let mixed = random.chance(0.5);
+                let c = [0; 3].map(|_| if mixed { random.unit() } else { value });
+                put(&c[..input.len.min(3)], 1.0);
+            }
+            Role::Constant => put(&[f64::from(lamp.attenuation[0])], 0.0),
+            Role::Linear => put(&[f64::from(lamp.attenuation[1])], 0.0),
+            Role::Quadratic => put(&[f64::from(lamp.attenuation[2])], 0.0),
+            Role::Attenuation => put(&lamp.attenuation.map(f64::from), 0.0),
+            Role::InnerCosine => put(&[lamp.cone.0], 0.0),
+            Role::OuterCosine => put(&[lamp.cone.1], 0.0),
+            Role::ConeCosine => put(&[lamp.cone.1], 0.0),
+            Role::Cosine => {
+                let x = match random.below(4) {
+                    0 => 1.0 - random.scale(1e-7, 1e-1),
+                    _ => random.between(-1.0, 1.0),
+                };
+                put(&[x], 0.0);
+            }
+            Role::Shininess => put(&[f64::from(SHINES[setting.shine])], 0.0),
+            Role::Intensity => put(&[random.between(0.1, 2.0)], 1.0),
+            Role::Distance => put(&[main.distance], 0.0),
+            Role::Count | Role::Other => other(input, &mut put, random),
+        }
+    }
+    to
+}
+
+fn integers(input: &Input, to: &mut Sample, random: &mut Random) {
+    for at in input.range() {
+        to[at] = match (input.scalar.kind, input.scalar.width) {
+            (ScalarKind::Bool, _) => random.word() & 1,
+            (ScalarKind::Float, 8) => random.between(-2.0, 2.0).to_bits(),
+            _ if input.role == Role::Count => random.below(5) as u64,
+            _ => random.below(8) as u64,
+        };
+    }
+}
+
+fn other(input: &Input, put: &mut dyn FnMut(&[f64], f64), random: &mut Random) {
+    if input.len > input.rows {
+        // A matrix: the identity, with something of a rotation and a translation.
+        let mild = random.chance(0.5);
+        let rows = input.rows;
+        let values: Vec<f64> = (0..input.len)
+            .map(|i| {
+                let diagonal = f64::from(u8::from(i / rows == i % rows));
+                diagonal + if mild { random.between(-0.5, 0.5) } else { 0.0 }
+            })
+            .collect();
+        return put(&values, 0.0);
+    }
+    let spread = *random.pick(&[1.0, 2.0, 100.0]);
+    let positive = random.chance(0.5);
+    let values: Vec<f64> = (0..input.len)
+        .map(|_| random.between(if positive { 0.0 } else { -spread }, spread))
+        .collect();
+    put(&values, 0.0);
+}

@@ -1,0 +1,183 @@
+//! How far an `f32` result is from its `f64`, and how such distances are summed up in constant
+//! memory.
+//!
+//! Reads what [`Pure::call`](landfall_exec::harness::call::pure::Pure::call) gives; feeds
+//! [`stress`](super::stress) and [`bench`](mod@super::bench).
+
+use landfall_exec::harness::call::pure::{Pure, PureCalled};
+use landfall_layout::buffer::float::last_place;
+use landfall_layout::shape::ScalarKind;
+
+/// How far a sample's result is off.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Off {
+    /// In units of the last place of an `f32`, the worst component.
+    pub ulp: f64,
+    /// Relative to the value, but at least to 2^-10 of the full scale.
+    pub relative: f64,
+    /// In steps of 1/255 of the full scale.
+    pub steps: f64,
+}
+
+/// What a sample came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// It met a `discard`.
+    Discarded,
+    /// A result is NaN, in `f32` or where the `f32` hides it.
+    NotANumber,
+    /// A result is infinite.
+    Infinite,
+    /// All are finite; whether the worst is above what it should be.
+    Off(Off, bool),
+}
+
+/// Which scalars of the results are `f32`: the number of the result, and of the scalar in it.
+pub(super) fn floats(pure: &Pure) -> Vec<(usize, usize)> {
+    let mut all = Vec::new();
+    for (nth, result) in pure.results.iter().enumerate() {
+        for (at, scalar) in result.ty.scalars().iter().enumerate() {
+            if scalar.kind == ScalarKind::Float && scalar.width <= 4 {
+                all.push((nth, at));
+            }
+        }
+    }
+    all
+}
+
+/// What one lane came to.
+pub(super) fn outcome(called: &PureCalled, floats: &[(usize, usize)], lane: usize) -> Outcome {
+    if called.called.discarded.get(lane).copied().unwrap_or(false) {
+        return Outcome::Discarded;
+    }
+    let pair = |nth: usize| {
+        let (result, at) = floats[nth];
+        let numbers = &called.results[result];
+        (f32::from_bits(numbers.words[at][lane] as u32), numbers.doubles[at][lane])
+    };
+    outcome_of(floats.len(), pair)
+}
+
+/// What so many numbers come to, each an `f32` and what it should be.
+pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Outcome {
+    let mut infinite = false;
+    let mut scale = 1.0f64;
+    for nth in 0..count {
+        let (single, double) = pair(nth);
+        if single.is_nan() || double.is_nan() {
+            return Outcome::NotANumber;
+        }
+        infinite |= single.is_infinite() || double.is_infinite();
+        scale = scale.max(double.abs());
+    }
+    if infinite {
+        return Outcome::Infinite;
+    }
+    let mut worst = Off::default();
+    let mut above = false;
+    for nth in 0..count {
+        let (single, double) = pair(nth);
+        let off = off(single, double, scale);
+        above = if off.steps > worst.steps { f64::from(single) > double } else { above };
+        worst.ulp = worst.ulp.max(off.ulp);
+        worst.relative = worst.relative.max(off.relative);
+        worst.steps = worst.steps.max(off.steps);
+    }
+    Outcome::Off(worst, above)
+}
+
+/// How far finite numbers are apart; `scale` is the full scale, at least 1.
+pub(super) fn off(single: f32, double: f64, scale: f64) -> Off {
+    let apart = (f64::from(single) - double).abs();
+    Off {
+        ulp: apart / last_place(double),
+        relative: apart / double.abs().max(scale / 1024.0),
+        steps: 255.0 * apart / scale,
+    }
+}
+
+/// Bins of a power of two.
+const FINE: f64 = 8.0;
+
+/// The smallest power of two that has bins of its own; and how many bins there are.
+const LOWEST: f64 = -40.0;
+const BINS: usize = 220 * 8;
+
+/// A distribution of positive numbers: counts by size, and the greatest.
+#[derive(Clone, Debug)]
+pub struct Spread {
+    counts: Vec<u64>,
+    zeros: u64,
+    /// How many.
+    pub count: u64,
+    /// The greatest.
+    pub max: f64,
+}
+
+impl Default for Spread {
+    fn default() -> Spread {
+        Spread { counts: vec![0; BINS], zeros: 0, count: 0, max: 0.0 }
+    }
+}
+
+impl Spread {
+    /// Adds a number.
+    pub fn add(&mut self, x: f64) {
+        self.count += 1;
+        self.max = self.max.max(x);
+        if x <= 0.0 {
+            self.zeros += 1;
+            return;
+        }
+        let bin = ((x.log2() - LOWEST) * FINE).clamp(0.0, BINS as f64 - 1.0);
+        self.counts[bin as usize] += 1;
+    }
+
+    /// Adds all of another.
+    pub fn merge(&mut self, other: &Spread) {
+        self.counts.iter_mut().zip(&other.counts).for_each(|(sum, n)| *sum += n);
+        self.zeros += other.zeros;
+        self.count += other.count;
+        self.max = self.max.max(other.max);
+    }
+
+    /// What that share of all does not exceed, to a twelfth.
+    pub fn quantile(&self, share: f64) -> f64 {
+        let mut rest = (self.count as f64 * share).ceil() as u64;
+        if rest <= self.zeros {
+            return 0.0;
+        }
+        rest -= self.zeros;
+        for (bin, &count) in self.counts.iter().enumerate() {
+            if count >= rest {
+                return ((bin as f64 + 1.0) / FINE + LOWEST).exp2().min(self.max);
+            }
+            rest -= count;
+        }
+        self.max
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thousandth_of_the_samples_is_beyond_the_quantile() {
+        let mut spread = Spread::default();
+        (1..=100_000).for_each(|i| spread.add(f64::from(i)));
+        let found = spread.quantile(0.999);
+        assert!((99_900.0..=99_900.0 * 1.1).contains(&found), "{found}");
+        assert_eq!(spread.max, 100_000.0);
+    }
+
+    #[test]
+    fn a_step_is_a_255th_of_the_full_scale() {
+        let one = off(0.5, 0.5 + 1.0 / 255.0, 1.0);
+        assert!((one.steps - 1.0).abs() < 1e-12);
+        // Far below full scale, the error is relative to 2^-10 of it.
+        assert!((off(0.0, 2f64.powi(-20), 1.0).relative - 2f64.powi(-10)).abs() < 1e-15);
+        // The next f32 above 1 is a unit away.
+        assert_eq!(off(1.0 + f32::EPSILON, 1.0, 1.0).ulp, 1.0);
+    }
+}

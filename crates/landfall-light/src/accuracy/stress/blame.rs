@@ -1,0 +1,187 @@
+//! Who is to blame: from a wrong result back through what it was computed of, to the operation
+//! whose operands were still right.
+//!
+//! Reads a [`Trace`]; feeds [`classify`](super::classify).
+
+use rustc_hash::FxHashSet;
+
+use super::input::Input;
+use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::interp::{Number, Operand, Operation, Source, Step, Trace};
+
+/// Relative error up to which an operand counts as right: 32 units of the last place.
+const RIGHT: f64 = 1.0 / 262_144.0;
+
+/// A trace with names for its inputs.
+pub(super) struct Graph<'a> {
+    pub pure: &'a Pure,
+    pub trace: &'a Trace,
+    pub inputs: &'a [Input],
+}
+
+impl<'a> Graph<'a> {
+    /// The step a number came from.
+    pub fn step(&self, source: Source) -> Option<(&'a Step, usize)> {
+        match source {
+            Source::Step { step, part } => {
+                self.trace.steps.get(step as usize).map(|found| (found, part as usize))
+            }
+            Source::Constant | Source::Input { .. } | Source::Buffer | Source::Unknown => None,
+        }
+    }
+
+    /// The input a number is, or is the negative of.
+    pub fn input(&self, source: Source) -> Option<usize> {
+        match source {
+            Source::Input { parameter, scalar } => {
+                let scalar = self.pure.scalar_of(parameter, scalar)?;
+                self.inputs.iter().position(|input| input.range().contains(&scalar))
+            }
+            Source::Step { .. } => {
+                let (step, _) = self.step(source)?;
+                (step.operation == Operation::Neg).then(|| self.input(step.operands[0].source))?
+            }
+            Source::Constant | Source::Buffer | Source::Unknown => None,
+        }
+    }
+
+    /// Every input that some numbers were computed of.
+    pub fn inputs_of(&self, sources: impl IntoIterator<Item = Source>) -> Vec<usize> {
+        let mut open: Vec<Source> = sources.into_iter().collect();
+        let mut seen = FxHashSet::default();
+        let mut found = Vec::new();
+        while let Some(source) = open.pop() {
+            if !seen.insert(source) {
+                continue;
+            }
+            match self.step(source) {
+                Some((step, _)) => open.extend(step.operands.iter().map(|o| o.source)),
+                None => found.extend(self.input(source)),
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// The number of the step that spoilt a result; none where an input was it.
+    pub fn guilty(&self, result: Source) -> Option<usize> {
+        let mut at = result;
+        let mut guilty = None;
+        // A loop over a graph without cycles; the bound is for a broken one.
+        for _ in 0..=self.trace.steps.len() {
+            let Source::Step { step: number, part } = at else { break };
+            let Some(step) = self.trace.steps.get(number as usize) else { break };
+            guilty = Some(number as usize);
+            match self.spoilt(step, part as usize) {
+                Some(operand) => at = operand.source,
+                None => break,
+            }
+        }
+        guilty
+    }
+
+    /// The operand that made most of a result's error, if it was wrong before.
+    fn spoilt(&self, step: &Step, part: usize) -> Option<Operand> {
+        let result = step.results.get(part).copied().unwrap_or_default();
+        let finite = |n: Number| n.single.is_finite() && n.double.is_finite();
+        // Where NaN or infinity came in, it came from.
+        let odd = step.operands.iter().filter(|o| !finite(o.number));
+        let odd = odd.max_by_key(|o| o.number.single.is_nan());
+        if !finite(result) || odd.is_some() {
+            return odd.copied();
+        }
+        let shares = shares(step, part);
+        let mut worst: Option<(f64, Operand)> = None;
+        for (operand, share) in step.operands.iter().zip(shares) {
+            if wrong(operand.number) && worst.is_none_or(|(most, _)| share > most) {
+                worst = Some((share, *operand));
+            }
+        }
+        let (share, operand) = worst?;
+        // Its own rounding, or its cancellation, may be the larger part.
+        let error = (f64::from(result.single) - result.double).abs();
+        (share >= 0.25 * error).then_some(operand)
+    }
+}
+
+/// Whether the two differ by more than a few roundings.
+fn wrong(number: Number) -> bool {
+    let (single, double) = (f64::from(number.single), number.double);
+    (single - double).abs() > RIGHT * double.abs()
+}
+
+/// By operand: how much of the result's error its own error makes, to first order.
+fn shares(step: &Step, part: usize) -> Vec<f64> {
+    let d = |o: &Operand| (f64::from(o.number.single) - o.number.double).abs();
+    // Where the two are far apart, the larger one.
+    let x = |i: usize| {
+        let n = step.operands[i].number;
+        n.double.abs().max(f64::from(n.single).abs())
+    };
+    let o = &step.operands;
+    let result = step.results.get(part).map_or(0.0, |r| r.double);
+    let plain = || o.iter().map(&d).collect::<Vec<f64>>();
+    match step.operation {
+        Operation::Mul => vec![d(&o[0]) * x(1).abs(), d(&o[1]) * x(0).abs()],
+        Operation::Div => {
+            let n = step.operands[1].number;
+            let by = n.double.abs().min(f64::from(n.single).abs()).max(f64::MIN_POSITIVE);
+            let given = step.results.get(part).map_or(0.0, |r| f64::from(r.single).abs());
+            vec![d(&o[0]) / by, d(&o[1]) * result.abs().max(given) / by]
+        }
+        Operation::Fma => vec![d(&o[0]) * x(1).abs(), d(&o[1]) * x(0).abs(), d(&o[2])],
+        Operation::Dot => {
+            let half = o.len() / 2;
+            let other = |i: usize| x(if i < half { i + half } else { i - half }).abs();
+            o.iter().enumerate().map(|(i, operand)| d(operand) * other(i)).collect()
+        }
+        Operation::Pow => {
+            let base = x(0).abs().max(f64::MIN_POSITIVE);
+            let by_base = d(&o[0]) / base * x(1).abs();
+            vec![by_base * result.abs(), d(&o[1]) * base.ln().abs() * result.abs()]
+        }
+        Operation::Exp => vec![d(&o[0]) * result.abs()],
+        Operation::Log => vec![d(&o[0]) / x(0).abs().max(f64::MIN_POSITIVE)],
+        Operation::Root => vec![d(&o[0]) * 0.5 / result.abs().max(f64::MIN_POSITIVE)],
+        Operation::InverseRoot => vec![d(&o[0]) * 0.5 * result.abs().powi(3)],
+        Operation::Normalize => {
+            let length = o.iter().map(|o| o.number.double.powi(2)).sum::<f64>().sqrt();
+            o.iter().map(|o| d(o) / length.max(f64::MIN_POSITIVE)).collect()
+        }
+        Operation::Mix => {
+            vec![d(&o[0]) * x(2).max(1.0), d(&o[1]) * x(2).abs(), d(&o[2]) * x(1).max(x(0))]
+        }
+        Operation::SmoothStep => {
+            let edge = |i: usize| step.operands[i].number.double;
+            let width = (edge(1) - edge(0)).abs().max(f64::MIN_POSITIVE);
+            o.iter().map(|o| 1.5 * d(o) / width).collect()
+        }
+        Operation::Cross => {
+            // Each component reads two products of two.
+            let (j, k) = ((part + 1) % 3, (part + 2) % 3);
+            let mut all = vec![0.0; o.len()];
+            for (i, by) in [(j, 3 + k), (k, 3 + j), (3 + k, j), (3 + j, k)] {
+                all[i] = d(&o[i]) * x(by).abs();
+            }
+            all
+        }
+        Operation::Add
+        | Operation::Sub
+        | Operation::Neg
+        | Operation::Abs
+        | Operation::Min
+        | Operation::Max
+        | Operation::Clamp
+        | Operation::Length
+        | Operation::Distance
+        | Operation::Rem
+        | Operation::Edge
+        | Operation::Trigonometric
+        | Operation::Compare
+        | Operation::Convert
+        | Operation::Integer
+        | Operation::Texture
+        | Operation::Other => plain(),
+    }
+}

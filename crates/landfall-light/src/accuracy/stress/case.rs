@@ -1,0 +1,182 @@
+//! One sample as people read it, and the command that repeats it.
+//!
+//! Made for each finding of the [`report`](super::report) and each case of a driver; printed by
+//! [`emit::stress`](landfall::report::stress).
+
+use serde_json::Value;
+
+use super::input::{Input, Sample};
+use super::measure::floats;
+use super::sample::{Plan, columns, settings};
+use landfall_exec::harness::bindings::Data;
+use landfall_exec::harness::call::pure::{Origin, Pure};
+use landfall_exec::interp::Floats;
+use landfall_layout::Options;
+use landfall_layout::source::{Language, Source, Target, kind_of_path};
+
+/// One sample, readable and repeatable.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The inputs by path, in JSON.
+    pub inputs: Vec<(String, String)>,
+    /// The same flat: vectors and scalars, integers as numbers.
+    pub flat: Vec<(String, Vec<f64>)>,
+    /// Its results.
+    pub results: Vec<ResultScalar>,
+    /// The arguments of `landfall run` that repeat it.
+    pub arguments: Vec<String>,
+    /// The same as values: arguments, block contents, inputs.
+    pub values: (Vec<Value>, Data, Vec<(String, Value)>),
+    pub(super) words: Sample,
+}
+
+/// A scalar of a result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResultScalar {
+    /// The way to it: `result.x`.
+    pub path: String,
+    /// In `f32`.
+    pub single: f32,
+    /// In `f64`.
+    pub double: f64,
+}
+
+/// What is needed to write up a sample.
+#[derive(Clone, Copy)]
+pub(super) struct Writing<'a> {
+    pub pure: &'a Pure,
+    pub inputs: &'a [Input],
+    pub plan: &'a Plan,
+    pub source: &'a Source,
+    /// Arguments of `landfall run` that are of no sample: what [`fixed`] gives.
+    pub fixed: &'a [String],
+    /// What it is rounded to: a driver runs it as it is written.
+    pub floats: Floats,
+}
+
+/// A sample as people read it.
+pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
+    let Writing { pure, inputs: all, plan, source, fixed, floats: rounded_to } = writing;
+    let (arguments, data, given) = pure.json(sample);
+    let values = (arguments.clone(), data.clone(), given.clone());
+    let mut inputs = Vec::new();
+    let mut words = arguments.iter();
+    let mut named = given.iter();
+    for parameter in &pure.parameters {
+        let value = match &parameter.origin {
+            Origin::Argument(_) => words.next().cloned(),
+            Origin::Input => named.next().map(|(_, value)| value.clone()),
+            Origin::Block(block, member) => {
+                data.get(block).and_then(|block| block.get(member)).cloned()
+            }
+        };
+        inputs.push((parameter.path.clone(), value.unwrap_or_default().to_string()));
+    }
+    let mut line = vec!["run".to_string(), source.path.clone()];
+    line.extend(["--fn".to_string(), pure.shown.clone()]);
+    if !arguments.is_empty() {
+        line.extend(["--args".to_string(), Value::from(arguments).to_string()]);
+    }
+    // What is not given is zero.
+    let data = Value::from(data);
+    if let Some(data) = some(&data) {
+        line.extend(["--data".to_string(), data.to_string()]);
+    }
+    for (name, value) in given.into_iter().filter(|(_, value)| some(value).is_some()) {
+        line.extend(["--input".to_string(), format!("{name}={value}")]);
+    }
+    line.extend(fixed.iter().cloned());
+    match rounded_to {
+        Floats::AsWritten => {}
+        Floats::Half => line.push("--half".to_string()),
+        Floats::Mediump => line.push("--mediump".to_string()),
+    }
+    let settings = settings(plan, false);
+    let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
+    let mut results = Vec::new();
+    if let Ok(called) = &called {
+        for (nth, at) in floats(pure) {
+            let result = &pure.results[nth];
+            results.push(ResultScalar {
+                path: format!("{}{}", result.name, pure.result_path(nth, at)),
+                single: f32::from_bits(called.results[nth].words[at][0] as u32),
+                double: called.results[nth].doubles[at][0],
+            });
+        }
+    }
+    let numbers = |input: &Input| input.range().map(|at| input.number(sample[at])).collect();
+    let flat = all.iter().map(|input| (input.path.clone(), numbers(input))).collect();
+    Case { inputs, flat, results, arguments: line, values, words: sample.clone() }
+}
+
+/// What `landfall run` has to be told of how a shader is read, and of its textures, so that the
+/// function is the one that was stressed.
+pub(super) fn fixed(
+    source: &Source,
+    options: &Options,
+    textures: &[(String, [f32; 4])],
+) -> Vec<String> {
+    let Options { read, rules, gather: _, naga: _ } = options;
+    let mut all: Vec<String> = Vec::new();
+    let mut push = |flag: &str, value: String| all.extend([flag.to_string(), value]);
+    for (name, colour) in textures {
+        push("--texture", format!("{name}={colour:?}"));
+    }
+    for (name, text) in &read.defines {
+        push("-D", format!("{name}={text}"));
+    }
+    for folder in &read.include_dirs {
+        push("-I", folder.display().to_string());
+    }
+    for (name, value) in &read.overrides {
+        push("-O", format!("{name}={value}"));
+    }
+    if let Some(rules) = rules {
+        push("--rules", rules.name().to_string());
+    }
+    match read.target {
+        None => {}
+        Some(Target::OpenGl) => push("--target", "opengl".to_string()),
+        Some(Target::Vulkan) => push("--target", "vulkan".to_string()),
+    }
+    // What the file's name does not say.
+    let (language, stage) = kind_of_path(source.path.as_ref()).unwrap_or((Language::Glsl, None));
+    if source.language != language {
+        push("--language", source.language.name().to_string());
+    }
+    if let Some(said) = source.stage.filter(|said| Some(*said) != stage) {
+        push("--stage", said.name().to_string());
+    }
+    all
+}
+
+/// A command line for a shell.
+pub fn command(arguments: &[String]) -> String {
+    let quoted = arguments.iter().map(|argument| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=".contains(c);
+        match argument.chars().all(plain) && !argument.is_empty() {
+            true => argument.clone(),
+            false => format!("'{}'", argument.replace('\'', "'\\''")),
+        }
+    });
+    format!("landfall {}", quoted.collect::<Vec<_>>().join(" "))
+}
+
+/// A value without the members that are zero; none where nothing is left.
+fn some(value: &Value) -> Option<Value> {
+    let kept = match value {
+        Value::Object(members) => {
+            let members =
+                members.iter().filter_map(|(key, value)| Some((key.clone(), some(value)?)));
+            let members: serde_json::Map<String, Value> = members.collect();
+            return (!members.is_empty()).then_some(Value::Object(members));
+        }
+        Value::Array(items) => items.iter().any(|item| some(item).is_some()),
+        // The zero below zero is another number.
+        Value::Number(number) => number.as_f64().is_none_or(|x| x.to_bits() != 0),
+        Value::Bool(set) => *set,
+        Value::Null => false,
+        Value::String(_) => true,
+    };
+    kept.then(|| value.clone())
+}

@@ -1,0 +1,180 @@
+//! Which hazard a sample meets, and at which operation.
+//!
+//! Runs one sample with a trace of all its operations, looks for operations without a defined
+//! value and for the one that spoilt the result, and names them by what they are and by the roles
+//! of the inputs behind them. Feeds [`find`](super::find).
+
+mod look;
+
+use super::blame::Graph;
+use super::hazard as h;
+use super::hazard::Hazard;
+use super::input::{Input, Sample};
+use super::measure::{Outcome, floats, outcome};
+use super::sample::{Plan, columns, settings};
+use landfall_exec::backend::Failure;
+use landfall_exec::harness::call::pure::{Pure, PureCalled};
+use landfall_exec::interp::{
+    Number, Operation, Place, Settings, Source, Step, Trace, UndefinedKind,
+};
+
+use look::Look;
+
+/// What a sample meets.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    pub hazard: &'static Hazard,
+    pub place: Place,
+    /// The operation: what it is, what it had, what it gave.
+    pub operation: Option<Performed>,
+    /// The inputs behind it that play a part.
+    pub about: Vec<usize>,
+    /// What is undefined about it; none of a loss of accuracy.
+    pub kind: Option<UndefinedKind>,
+}
+
+/// An operation as it was performed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Performed {
+    /// What it is.
+    pub operation: Operation,
+    /// Its operands.
+    pub operands: Vec<Number>,
+    /// Its result, the worst component.
+    pub result: Number,
+    pub(super) sources: Vec<Source>,
+}
+
+impl Candidate {
+    /// Findings are told apart by what it is and the line it is in.
+    pub fn key(&self, pure: &Pure) -> (&'static str, u32, u32) {
+        let at = pure.files.locate(self.place.span);
+        (self.hazard.code, self.place.span.file, at.line)
+    }
+}
+
+/// A sample that was looked at closely.
+pub(super) struct Examined {
+    pub outcome: Outcome,
+    pub called: PureCalled,
+    pub candidates: Vec<Candidate>,
+    pub trace: Box<Trace>,
+}
+
+/// Runs a sample and says what it meets.
+pub(super) fn examine(
+    pure: &Pure,
+    inputs: &[Input],
+    sample: &Sample,
+    plan: &Plan,
+) -> Result<Examined, Failure> {
+    let settings = Settings { trace: true, deadline: None, ..settings(plan, true) };
+    let mut called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings)?;
+    let trace = called.called.notes.trace.take().unwrap_or_default();
+    let floats = floats(pure);
+    let outcome = outcome(&called, &floats, 0);
+    let graph = Graph { pure, trace: &trace, inputs };
+    let look = Look { graph, sample };
+    let mut candidates = Vec::new();
+    for step in &trace.steps {
+        if let Some(kind) = undefined(step) {
+            candidates.push(look.undefined(step, kind));
+        }
+    }
+    for seen in &called.called.notes.undefined {
+        let kind = seen.kind;
+        let hazard = match kind {
+            UndefinedKind::Uninitialised => &h::UNINITIALISED,
+            UndefinedKind::IndexOutOfBounds | UndefinedKind::PastEndOfBuffer => {
+                &h::COUNT_PAST_ARRAY
+            }
+            UndefinedKind::IntegerDivisionByZero
+            | UndefinedKind::IntegerOverflow
+            | UndefinedKind::ShiftTooFar
+            | UndefinedKind::BitsOutOfRange
+            | UndefinedKind::ConversionOutOfRange
+            | UndefinedKind::NanFromBuffer => &h::UNDEFINED_OPERATION,
+            // Those are seen in the trace, with where their operands came from.
+            UndefinedKind::DivisionByZero
+            | UndefinedKind::ZeroTimesInfinity
+            | UndefinedKind::RootOfNegative
+            | UndefinedKind::LogOfNonPositive
+            | UndefinedKind::PowOfNegative
+            | UndefinedKind::PowOfZero
+            | UndefinedKind::ArcOutOfRange
+            | UndefinedKind::AtanOfZeros
+            | UndefinedKind::NormalizeOfZero
+            | UndefinedKind::SmoothStepEdges
+            | UndefinedKind::ClampBounds
+            | UndefinedKind::SquaresTooLarge
+            | UndefinedKind::SquaresTooSmall
+            | UndefinedKind::BornNan
+            | UndefinedKind::BornInfinite => continue,
+        };
+        let place = seen.place.clone();
+        // What is converted or indexed by a number that is none any more, has its cause before.
+        if seen.operands.iter().all(|x| x.is_finite()) {
+            let about = Vec::new();
+            candidates.push(Candidate { hazard, place, operation: None, about, kind: Some(kind) });
+        }
+    }
+    if let Outcome::Off(off, _) = outcome {
+        if off.steps > plan.steps || off.ulp > plan.ulp {
+            candidates.extend(look.inaccurate(&floats, &called));
+        }
+    }
+    Ok(Examined { outcome, called, candidates, trace })
+}
+
+/// What is not defined about an operation all of whose operands are finite.
+fn undefined(step: &Step) -> Option<UndefinedKind> {
+    use UndefinedKind as U;
+    let finite = |n: &Number| n.single.is_finite() && n.double.is_finite();
+    if !step.operands.iter().all(|o| finite(&o.number)) {
+        return None;
+    }
+    let x = |i: usize| step.operands[i].number.double;
+    let found = match step.operation {
+        Operation::Div | Operation::Rem if x(1) == 0.0 => Some(U::DivisionByZero),
+        Operation::Pow if x(0) < 0.0 => Some(U::PowOfNegative),
+        Operation::Pow if x(0) == 0.0 && x(1) <= 0.0 => Some(U::PowOfZero),
+        Operation::Root if x(0) < 0.0 => Some(U::RootOfNegative),
+        Operation::InverseRoot if x(0) <= 0.0 => Some(U::RootOfNegative),
+        Operation::Log if x(0) <= 0.0 => Some(U::LogOfNonPositive),
+        Operation::SmoothStep if x(0) >= x(1) => Some(U::SmoothStepEdges),
+        Operation::Clamp if step.operands.len() == 3 && x(1) > x(2) => Some(U::ClampBounds),
+        Operation::Normalize if step.operands.iter().all(|o| o.number.double == 0.0) => {
+            Some(U::NormalizeOfZero)
+        }
+        _ => None,
+    };
+    let found = found.or_else(|| squares(step));
+    found.or_else(|| {
+        let odd = step.results.iter().find(|n| !finite(n))?;
+        let nan = odd.single.is_nan() || odd.double.is_nan();
+        Some(if nan { U::BornNan } else { U::BornInfinite })
+    })
+}
+
+/// What is wrong with the squares that a length is the root of.
+fn squares(step: &Step) -> Option<UndefinedKind> {
+    if !matches!(step.operation, Operation::Normalize | Operation::Length | Operation::Distance) {
+        return None;
+    }
+    let of = |i: usize| step.operands[i].number.double;
+    let half = step.operands.len() / 2;
+    let square: f64 = match step.operation {
+        Operation::Distance => (0..half).map(|i| (of(i) - of(i + half)).powi(2)).sum(),
+        _ => (0..step.operands.len()).map(|i| of(i).powi(2)).sum(),
+    };
+    // The length of one number is no root.
+    if step.operands.len() == 1 || square == 0.0 {
+        None
+    } else if square > f64::from(f32::MAX) {
+        Some(UndefinedKind::SquaresTooLarge)
+    } else if square < f64::from(f32::MIN_POSITIVE) {
+        Some(UndefinedKind::SquaresTooSmall)
+    } else {
+        None
+    }
+}

@@ -1,0 +1,147 @@
+//! The worst input, by hill-climbing on the bits of bad ones.
+//!
+//! Feeds [`find`](super::find).
+
+use super::drivers::{Batch, Drivers};
+use super::generate::Generator;
+use super::input::{Input, Sample, float};
+use super::measure::{Off, Outcome, floats, outcome};
+use super::random::Random;
+use super::sample::{Plan, Tally, columns, settings};
+use landfall_exec::harness::call::pure::Pure;
+
+/// Neighbours tried at a time.
+const NEIGHBOURS: usize = 64;
+
+/// Rounds of one climb; those without a better one before it gives up.
+const ROUNDS: usize = 48;
+const PATIENCE: usize = 10;
+
+/// What is kept of the samples of climbs, and who else runs them.
+pub(super) struct Climbs<'c, 'r> {
+    pub tally: Tally,
+    pub drivers: &'c mut Drivers<'r>,
+    /// Whether every input ran: none is higher.
+    pub over: bool,
+}
+
+/// Whose error a climb is up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Whose {
+    Evaluator,
+    /// Of the driver of that number, which is as high where the climb starts.
+    Driver(usize, f64),
+}
+
+/// Climbs from a sample as high as an error goes.
+pub(super) fn climb(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    start: &Sample,
+    (height, whose): (impl Fn(&Off) -> f64, Whose),
+    random: &mut Random,
+    climbs: &mut Climbs<'_, '_>,
+) -> (Sample, Off) {
+    let (inputs, domain) = (generator.inputs, generator.domain);
+    let floats = floats(pure);
+    if climbs.over {
+        let called = pure.call(&columns(std::slice::from_ref(start)), 1, &settings(plan, false));
+        let off = called.ok().and_then(|called| match outcome(&called, &floats, 0) {
+            Outcome::Off(off, _) => Some(off),
+            Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+        });
+        return (start.clone(), off.unwrap_or_default());
+    }
+    let mut best = (start.clone(), Off::default());
+    let mut highest = match whose {
+        Whose::Evaluator => 0.0,
+        Whose::Driver(_, height) => height,
+    };
+    let mut idle = 0;
+    for round in 0..ROUNDS {
+        if plan.until.is_over() || idle > PATIENCE {
+            break;
+        }
+        let mut samples = vec![best.0.clone()];
+        while samples.len() < NEIGHBOURS {
+            let mut next = best.0.clone();
+            let times = if random.chance(0.7) { 1 } else { 1 + random.below(3) };
+            for _ in 0..times {
+                step(&mut next, inputs, generator, random);
+            }
+            if domain.fit(&mut next, inputs, random) {
+                samples.push(next);
+            } else if random.chance(0.05) {
+                samples.push(best.0.clone());
+            }
+        }
+        let columns = columns(&samples);
+        let Ok(called) = pure.call(&columns, samples.len(), &settings(plan, false)) else {
+            break;
+        };
+        idle += 1;
+        let lanes = 0..samples.len();
+        let mut outcomes: Vec<Outcome> =
+            lanes.map(|lane| outcome(&called, &floats, lane)).collect();
+        let mut batch = Batch::of(columns, called, &floats, outcomes.clone());
+        // The first was run where it was found.
+        let known = usize::from(round == 0);
+        (0..known).for_each(|_| batch.drop_first());
+        outcomes[known..].iter().for_each(|outcome| climbs.tally.add(*outcome));
+        match whose {
+            Whose::Evaluator => climbs.drivers.add(batch),
+            Whose::Driver(driver, _) => {
+                let there = climbs.drivers.climbed(batch).swap_remove(driver);
+                if there.is_empty() {
+                    break;
+                }
+                samples.drain(..known);
+                outcomes = there;
+            }
+        }
+        for (lane, (sample, outcome)) in samples.iter().zip(outcomes).enumerate() {
+            if let Outcome::Off(off, _) = outcome {
+                if height(&off) > highest {
+                    highest = height(&off);
+                    idle = if lane == 0 { idle } else { 0 };
+                    best = (sample.clone(), off);
+                }
+            }
+        }
+    }
+    best
+}
+
+/// Changes one scalar: a bit, a few units of the last place, another value, or another input's.
+fn step(sample: &mut Sample, inputs: &[Input], generator: &Generator<'_>, random: &mut Random) {
+    if inputs.is_empty() {
+        return;
+    }
+    let nth = random.below(inputs.len());
+    let input = &inputs[nth];
+    let at = input.first + random.below(input.len);
+    if !input.is_float() {
+        generator.draw(nth, sample, random);
+        return;
+    }
+    let x = float(sample, at);
+    let bits = x.to_bits();
+    let next = match random.below(8) {
+        0 | 1 => bits ^ (1 << random.below(23)),
+        2 => bits.wrapping_add(1),
+        3 => bits.wrapping_sub(1),
+        4 | 5 => {
+            let by = 1.0 + random.between(-1.0, 1.0) * random.scale(1e-7, 0.5);
+            ((f64::from(x) * by) as f32).to_bits()
+        }
+        6 => ((f64::from(x) * random.scale(0.1, 10.0)) as f32).to_bits(),
+        _ => {
+            generator.draw(nth, sample, random);
+            return;
+        }
+    };
+    if f32::from_bits(next).is_finite() {
+        sample[at] = u64::from(next);
+    }
+}

@@ -1,0 +1,72 @@
+//! How much a function makes of its inputs' own rounding: what tells a hard problem from a bad
+//! formula.
+//!
+//! Moves each scalar by a unit of its last place and computes in `f64`. Feeds the report.
+
+use super::input::{Input, Sample};
+use super::measure::floats;
+use super::sample::{Plan, columns, settings};
+use landfall_exec::harness::call::pure::Pure;
+
+/// What a unit of the last place of an input does to the result, in `f64`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Condition {
+    /// In steps of 1/255 of the full scale, for the worst input.
+    pub steps: f64,
+    /// Relative change of the result over relative change of that input.
+    pub number: f64,
+    /// The path of that input.
+    pub path: String,
+}
+
+/// The condition of a function at a sample; none where it has no finite result there.
+pub(super) fn condition(
+    pure: &Pure,
+    inputs: &[Input],
+    sample: &Sample,
+    plan: &Plan,
+) -> Option<Condition> {
+    let scalars: Vec<usize> =
+        inputs.iter().filter(|input| input.is_float()).flat_map(Input::range).collect();
+    let mut samples = vec![sample.clone()];
+    for &at in &scalars {
+        for move_by in [1, u32::MAX] {
+            let mut moved = sample.clone();
+            let bits = (sample[at] as u32).wrapping_add(move_by);
+            let x = f32::from_bits(bits);
+            // Zero has no place to its left, and infinity is no neighbour.
+            moved[at] = if x.is_finite() { u64::from(bits) } else { sample[at] };
+            samples.push(moved);
+        }
+    }
+    let called = pure.call(&columns(&samples), samples.len(), &settings(plan, false)).ok()?;
+    let floats = floats(pure);
+    let value = |lane: usize, (nth, at): (usize, usize)| called.results[nth].doubles[at][lane];
+    let scale = floats.iter().map(|&f| value(0, f).abs()).fold(1.0, f64::max);
+    let size = floats.iter().map(|&f| value(0, f).abs()).fold(0.0, f64::max);
+    let mut worst = Condition::default();
+    for lane in 1..samples.len() {
+        let moved = floats.iter().map(|&f| (value(lane, f) - value(0, f)).abs());
+        let moved = moved.fold(0.0, f64::max);
+        if !moved.is_finite() {
+            continue;
+        }
+        let steps = 255.0 * moved / scale;
+        if steps > worst.steps {
+            let at = scalars[(lane - 1) / 2];
+            let [old, new] =
+                [sample[at], samples[lane][at]].map(|word| f64::from(f32::from_bits(word as u32)));
+            let by = (new - old).abs() / old.abs().max(f64::from(f32::MIN_POSITIVE));
+            let number = moved / size.max(f64::from(f32::MIN_POSITIVE)) / by;
+            let path = pure
+                .parameters
+                .iter()
+                .flat_map(|parameter| &parameter.scalars)
+                .nth(at)
+                .cloned()
+                .unwrap_or_default();
+            worst = Condition { steps, number, path };
+        }
+    }
+    scale.is_finite().then_some(worst)
+}

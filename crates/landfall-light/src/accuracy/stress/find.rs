@@ -1,0 +1,217 @@
+//! From the samples that were kept to findings: each looked at closely, one finding a hazard and
+//! line, the worst of each climbed, the simplest input found.
+//!
+//! Reads [`sample`](super::sample); feeds the report.
+
+use std::time::{Duration, Instant};
+
+use rustc_hash::FxHashMap;
+
+use super::classify::{Candidate, Examined, examine};
+use super::climb::{Climbs, Whose, climb};
+use super::generate::Generator;
+use super::hazard;
+use super::input::Sample;
+use super::measure::Outcome;
+use super::random::Random;
+use super::sample::{Exemplars, Kept, Plan, Why};
+use super::shrink::{plausible, shrink};
+use landfall_exec::harness::call::pure::Pure;
+
+/// A finding before it is written up.
+#[derive(Clone, Debug)]
+pub(super) struct Raw {
+    pub candidate: Candidate,
+    pub outcome: Outcome,
+    /// The simplest sample, and the one it was made of.
+    pub sample: Sample,
+    pub severity: f64,
+    /// How many of the kept samples meet it.
+    pub seen: usize,
+    pub plausible: bool,
+}
+
+/// A sample with how it was made and why it was kept.
+type Exemplar = ((u32, Why), Kept);
+
+/// What findings are told apart by.
+type Key = (&'static str, u32, u32);
+
+struct Group {
+    best: Raw,
+    seen: usize,
+}
+
+/// Samples of one operation and kind that are looked at closely.
+const EACH: usize = 40;
+
+/// What they may take all together where nobody waits.
+const UNHURRIED: Duration = Duration::from_secs(60);
+
+/// The findings among samples that were kept.
+pub(super) fn findings(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    exemplars: Exemplars,
+    climbs: &mut Climbs<'_, '_>,
+) -> Vec<Raw> {
+    let inputs = generator.inputs;
+    let mut groups: FxHashMap<Key, Group> = FxHashMap::default();
+    let mut random = Random::new(7, 7);
+    let look = |sample: &Sample, groups: &mut FxHashMap<Key, Group>| {
+        let Ok(examined) = examine(pure, inputs, sample, plan) else { return };
+        sort(pure, generator, &examined, sample, groups);
+    };
+    let ordered = order(exemplars);
+    // Climb from the worst losses first: what they lead to is looked at with the others.
+    let mut climbed = Vec::new();
+    let losses = ordered.iter().filter(|(key, _)| matches!(key.1, Why::Above | Why::Below));
+    let left = plan.until.left().unwrap_or(UNHURRIED);
+    let looking = plan.until.sooner(left / 2);
+    let plan_of_climbs = &Plan { until: plan.until.sooner(left / 4), ..plan.clone() };
+    for (_, kept) in losses.take(4) {
+        let steps = |off: &super::measure::Off| off.steps;
+        climbed.push(
+            climb(
+                pure,
+                generator,
+                plan_of_climbs,
+                &kept.sample,
+                (steps, Whose::Evaluator),
+                &mut random,
+                climbs,
+            )
+            .0,
+        );
+    }
+    for sample in &climbed {
+        look(sample, &mut groups);
+    }
+    let mut each: FxHashMap<Why, usize> = FxHashMap::default();
+    for ((_, why), kept) in &ordered {
+        if looking.is_over() {
+            break;
+        }
+        if *why == Why::Endless {
+            continue;
+        }
+        let count = each.entry(*why).or_default();
+        *count += 1;
+        let most = if matches!(why, Why::Undefined(..)) { EACH } else { 10 * EACH };
+        if *count <= most {
+            look(&kept.sample, &mut groups);
+        }
+    }
+    let mut all: Vec<(Key, Raw)> = groups
+        .into_iter()
+        .map(|(key, group)| (key, Raw { seen: group.seen, ..group.best }))
+        .collect();
+    all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
+    let left = plan.until.left().unwrap_or(UNHURRIED);
+    let last = Instant::now().checked_add(left.max(Duration::from_millis(300)));
+    let count = all.len();
+    for (nth, (key, raw)) in all.iter_mut().enumerate() {
+        // Each has its part of the time that is left.
+        let left = last.map_or(left, |last| last.saturating_duration_since(Instant::now()));
+        let each = left / u32::try_from(count - nth).unwrap_or(u32::MAX).max(1);
+        let share = plan.until.sooner(each.saturating_mul(2));
+        let loss = raw.candidate.kind.is_none();
+        let was = raw.plausible;
+        let breaks = |sample: &Sample| -> bool {
+            let Ok(examined) = examine(pure, inputs, sample, plan) else { return false };
+            let still = |c: &&Candidate| c.key(pure) == *key;
+            let stays = plausible(inputs, sample) || !was;
+            stays
+                && examined.candidates.iter().any(|c| still(&c))
+                && (!loss || bad(&examined, plan))
+        };
+        raw.sample = shrink(&raw.sample, inputs, generator.domain, &share, breaks);
+        if let Ok(examined) = examine(pure, inputs, &raw.sample, plan) {
+            raw.outcome = examined.outcome;
+            if let Some(found) = examined.candidates.into_iter().find(|c| c.key(pure) == *key) {
+                raw.candidate = found;
+            }
+        }
+    }
+    all.into_iter().map(|(_, raw)| raw).collect()
+}
+
+/// Those of scenes first, then by how much they matter.
+fn order_of(raw: &Raw) -> (bool, std::cmp::Reverse<landfall_layout::finding::Level>, bool, usize) {
+    let place = hazard::HAZARDS.iter().position(|h| *h == raw.candidate.hazard).unwrap_or(0);
+    let plain = raw.candidate.hazard.id.is_empty();
+    (!raw.plausible, std::cmp::Reverse(raw.candidate.hazard.level), plain, place)
+}
+
+fn bad(examined: &Examined, plan: &Plan) -> bool {
+    match examined.outcome {
+        Outcome::Off(off, _) => off.steps > plan.steps || off.ulp > plan.ulp,
+        Outcome::Discarded => false,
+        Outcome::NotANumber | Outcome::Infinite => true,
+    }
+}
+
+/// One of each kind in turn; of a kind, mutations before scenes before bits, the worse first.
+fn order(exemplars: Exemplars) -> Vec<Exemplar> {
+    let mut all: Vec<Exemplar> = exemplars.into_iter().collect();
+    all.sort_by(|a, b| {
+        let rank = |key: &(u32, Why)| key.0 >= 1 << 24;
+        rank(&a.0).cmp(&rank(&b.0)).then(b.1.severity.total_cmp(&a.1.severity)).then(a.0.cmp(&b.0))
+    });
+    let mut turns: FxHashMap<Why, usize> = FxHashMap::default();
+    let mut numbered: Vec<(usize, Exemplar)> = all
+        .into_iter()
+        .map(|one| {
+            let turn = turns.entry((one.0).1).or_default();
+            *turn += 1;
+            (*turn, one)
+        })
+        .collect();
+    numbered.sort_by_key(|(turn, _)| *turn);
+    numbered.into_iter().map(|(_, one)| one).collect()
+}
+
+fn sort(
+    pure: &Pure,
+    generator: &Generator<'_>,
+    examined: &Examined,
+    sample: &Sample,
+    groups: &mut FxHashMap<Key, Group>,
+) {
+    let severity = match examined.outcome {
+        Outcome::Discarded => 0.0,
+        Outcome::NotANumber => f64::INFINITY,
+        Outcome::Infinite => f64::MAX,
+        Outcome::Off(off, _) => off.steps,
+    };
+    let plausible = plausible(generator.inputs, sample);
+    let mut met: Vec<Key> = Vec::new();
+    for candidate in &examined.candidates {
+        let key = candidate.key(pure);
+        if met.contains(&key) {
+            continue;
+        }
+        met.push(key);
+        let raw = || Raw {
+            candidate: candidate.clone(),
+            outcome: examined.outcome,
+            sample: sample.clone(),
+            severity,
+            seen: 0,
+            plausible,
+        };
+        match groups.get_mut(&key) {
+            None => {
+                groups.insert(key, Group { best: raw(), seen: 1 });
+            }
+            Some(group) => {
+                group.seen += 1;
+                let better = (plausible, severity) > (group.best.plausible, group.best.severity);
+                if better {
+                    group.best = raw();
+                }
+            }
+        }
+    }
+}

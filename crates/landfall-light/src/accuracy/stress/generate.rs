@@ -1,0 +1,287 @@
+//! Samples by family: [`mutations`](super::mutations) of scenes, scenes, bits, scenes with an input
+//! of bits; or [`every`](super::every) input there is.
+//!
+//! Feeds [`sample`](super::sample).
+
+use super::domain::{Domain, Within};
+use super::every::Every;
+use super::input::{Inputs, Sample, float};
+use super::mutations::{Change, Mutation, mutations, some};
+use super::random::Random;
+use super::scene;
+use super::scene::Setting;
+use landfall_layout::shape::ScalarKind;
+
+/// Where samples come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Family {
+    /// Inputs that coincide, oppose, vanish; single inputs at an edge.
+    Coincidences,
+    /// Scenes like published ones.
+    Scenes,
+    /// Every finite `f32`, each exponent as likely.
+    Bits,
+    /// Scenes with one input of bits.
+    Mixed,
+    /// Infinities and NaN in the inputs.
+    Special,
+    /// Searched from the worst of the others.
+    Climbed,
+    /// Every input of a small domain, instead of all others.
+    Every,
+}
+
+impl Family {
+    /// Every family.
+    pub const ALL: [Family; 7] = [
+        Family::Coincidences,
+        Family::Scenes,
+        Family::Bits,
+        Family::Mixed,
+        Family::Special,
+        Family::Climbed,
+        Family::Every,
+    ];
+
+    /// Its name in messages and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Coincidences => "coincidences",
+            Family::Scenes => "scenes",
+            Family::Bits => "bits",
+            Family::Mixed => "mixed",
+            Family::Special => "special",
+            Family::Climbed => "climbed",
+            Family::Every => "every",
+        }
+    }
+}
+
+/// Makes the samples of a function.
+#[derive(Debug)]
+pub(super) struct Generator<'a> {
+    pub inputs: &'a Inputs,
+    pub domain: &'a Domain,
+    mutations: Vec<Mutation>,
+    seed: u64,
+    /// All inputs there are, where they are few.
+    every: Option<Every>,
+}
+
+/// Samples of one kind.
+pub(super) struct Chunk {
+    pub family: Family,
+    pub samples: Vec<Sample>,
+    /// Of each: samples of one tag were made in the same way.
+    pub tags: Vec<u32>,
+}
+
+/// Lanes of a chunk that is watched, and of one that is not.
+pub(super) const WATCHED: usize = 256;
+pub(super) const UNWATCHED: usize = 1024;
+
+/// Chunks of all inputs that are small.
+const SMALL: usize = 32;
+
+/// Tags of samples that are no mutations.
+pub(super) const TAG_BITS: u32 = 1 << 24;
+const TAG_SCENES: u32 = 1 << 20;
+
+impl<'a> Generator<'a> {
+    pub fn new(inputs: &'a Inputs, domain: &'a Domain, seed: u64) -> Generator<'a> {
+        let mutations = some(mutations(inputs), seed);
+        Generator { inputs, domain, mutations, seed, every: None }
+    }
+
+    /// Gives every input once instead, where there are no more than so many.
+    pub fn or_every(self, most: u64) -> Generator<'a> {
+        Generator { every: Every::of(self.inputs, self.domain, most), ..self }
+    }
+
+    /// How many inputs there are, where each comes once.
+    pub fn all(&self) -> Option<u64> {
+        self.every.as_ref().map(Every::count)
+    }
+
+    /// Scenes each mutation is applied to in the first pass.
+    fn lanes_each(&self) -> usize {
+        (8192 / self.mutations.len().max(1)).clamp(6, 24)
+    }
+
+    /// Chunks of mutations.
+    fn structured(&self) -> usize {
+        (self.mutations.len() * self.lanes_each()).div_ceil(WATCHED)
+    }
+
+    /// The samples of a chunk: the mutations first, then the other families in turn.
+    pub fn chunk(&self, number: usize) -> Chunk {
+        if let Some(every) = &self.every {
+            // Small ones first, so that a slow function has something to show.
+            let small = number.min(SMALL);
+            let first = small * WATCHED + (number - small) * UNWATCHED;
+            let lanes = if number < SMALL { WATCHED } else { UNWATCHED };
+            let [first, last] = [first, first + lanes].map(|nth| every.count().min(nth as u64));
+            let samples: Vec<Sample> = (first..last).map(|nth| every.sample(nth)).collect();
+            let tags = vec![TAG_BITS; samples.len()];
+            return Chunk { family: Family::Every, samples, tags };
+        }
+        let mut random = Random::new(self.seed, number as u64 + 1);
+        if number < self.structured() {
+            return self.mutated(number, &mut random);
+        }
+        let family = match (number - self.structured()) % 8 {
+            0 | 4 => Family::Scenes,
+            1 | 5 => Family::Bits,
+            2 | 6 => Family::Mixed,
+            3 => Family::Special,
+            _ => Family::Coincidences,
+        };
+        if family == Family::Coincidences {
+            return self.mutated(random.below(self.structured().max(1)), &mut random);
+        }
+        let watched = family == Family::Scenes;
+        let lanes = if watched { WATCHED } else { UNWATCHED };
+        let mut chunk = Chunk { family, samples: Vec::new(), tags: Vec::new() };
+        let mut tries = 0;
+        while chunk.samples.len() < lanes && tries < 8 * lanes {
+            tries += 1;
+            let setting = Setting::random(&mut random);
+            let (mut sample, tag) = match family {
+                Family::Bits => (self.bits(&mut random), TAG_BITS),
+                Family::Scenes
+                | Family::Mixed
+                | Family::Special
+                | Family::Climbed
+                | Family::Every
+                | Family::Coincidences => {
+                    let sample = scene::sample(self.inputs, setting, &mut random);
+                    (sample, TAG_SCENES + setting.tag() as u32)
+                }
+            };
+            let mut tag = tag;
+            if matches!(family, Family::Mixed | Family::Special) && !self.inputs.is_empty() {
+                let at = random.below(self.inputs.len());
+                let input = &self.inputs[at];
+                self.draw(at, &mut sample, &mut random);
+                tag = TAG_BITS + 1 + at as u32;
+                if family == Family::Special && input.is_float() {
+                    let scalar = input.first + random.below(input.len);
+                    let odd = *random.pick(&[f32::INFINITY, f32::NEG_INFINITY, f32::NAN]);
+                    sample[scalar] = u64::from(odd.to_bits());
+                }
+            }
+            self.push(&mut chunk, sample, tag, &mut random);
+        }
+        chunk
+    }
+
+    fn push(&self, chunk: &mut Chunk, mut sample: Sample, tag: u32, random: &mut Random) {
+        let special = chunk.family == Family::Special;
+        if special || self.domain.fit(&mut sample, self.inputs, random) {
+            chunk.samples.push(sample);
+            chunk.tags.push(tag);
+        }
+    }
+
+    fn mutated(&self, number: usize, random: &mut Random) -> Chunk {
+        let mut chunk =
+            Chunk { family: Family::Coincidences, samples: Vec::new(), tags: Vec::new() };
+        let each = self.lanes_each();
+        for lane in 0..WATCHED {
+            let nth = (number * WATCHED + lane) / each;
+            let Some(mutation) = self.mutations.get(nth) else { break };
+            let mut setting = Setting::random(random);
+            if random.chance(0.5) {
+                setting.cone = random.below(3);
+                setting.shine = random.below(5);
+            }
+            for change in &mutation.changes {
+                match change {
+                    Change::Stand(geometry) => setting.geometry = *geometry,
+                    Change::Cone(cone) => setting.cone = *cone,
+                    _ => {}
+                }
+            }
+            let mut sample = scene::sample(self.inputs, setting, random);
+            for change in &mutation.changes {
+                self.apply(change, &mut sample);
+            }
+            self.push(&mut chunk, sample, nth as u32, random);
+        }
+        chunk
+    }
+
+    fn apply(&self, change: &Change, sample: &mut Sample) {
+        match change {
+            Change::Equal(a, b) | Change::Opposite(a, b) => {
+                let (a, b) = (&self.inputs[*a], &self.inputs[*b]);
+                let opposite = matches!(change, Change::Opposite(..));
+                for (to, from) in a.range().zip(b.range()) {
+                    sample[to] = sample[from] ^ if opposite { 1 << 31 } else { 0 };
+                }
+            }
+            Change::Set(at, bits) => {
+                self.inputs[*at].range().for_each(|i| sample[i] = u64::from(*bits));
+            }
+            Change::Scale(at, factor) => {
+                for i in self.inputs[*at].range() {
+                    sample[i] = u64::from((float(sample, i) * factor).to_bits());
+                }
+            }
+            Change::Stand(_) | Change::Cone(_) => {}
+        }
+    }
+
+    fn bits(&self, random: &mut Random) -> Sample {
+        let mut sample = vec![0; self.inputs.scalars];
+        for at in 0..self.inputs.len() {
+            self.draw(at, &mut sample, random);
+        }
+        sample
+    }
+
+    /// Any value of an input's domain, each exponent as likely.
+    pub fn draw(&self, at: usize, sample: &mut Sample, random: &mut Random) {
+        let input = &self.inputs[at];
+        let within = self.domain.within[at];
+        if !input.is_float() {
+            for i in input.range() {
+                sample[i] = match (input.scalar.kind, input.scalar.width) {
+                    (ScalarKind::Bool, _) => random.word() & 1,
+                    (ScalarKind::Float, 8) => (f64::from(random.bits()) * random.unit()).to_bits(),
+                    _ => random.below(17) as u64,
+                };
+            }
+            return;
+        }
+        // One exponent for the whole vector most of the time: else all but one of its
+        // components are as good as zero.
+        let (low, high) = within.bounds();
+        let together = random.scale(1e-38, 1e38);
+        let alike = random.chance(0.7);
+        for i in input.range() {
+            let x = match within {
+                Within::Any if alike => (random.between(-1.0, 1.0) * together) as f32,
+                Within::Any => random.bits(),
+                Within::Cosine => match random.below(4) {
+                    0 => (1.0 - random.scale(1e-7, 1.0)) as f32,
+                    _ => random.between(-1.0, 1.0) as f32,
+                },
+                Within::Range(..) | Within::Unit | Within::Position | Within::Color => {
+                    let reach = low.abs().max(high.abs());
+                    match random.below(4) {
+                        0 => random.between(low, high) as f32,
+                        1 => (low + (high - low) * random.scale(1e-9, 1.0)) as f32,
+                        2 => (high - (high - low) * random.scale(1e-9, 1.0)) as f32,
+                        _ if low >= 0.0 => random.scale(reach * 1e-12, reach) as f32,
+                        _ => {
+                            let x = random.scale(reach * 1e-9, reach);
+                            (if random.chance(0.5) { x } else { -x }) as f32
+                        }
+                    }
+                }
+            };
+            sample[i] = u64::from(x.to_bits());
+        }
+    }
+}

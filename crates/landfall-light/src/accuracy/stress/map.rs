@@ -1,0 +1,167 @@
+//! The error over two inputs, drawn: the others as in the worst sample of a scene.
+//!
+//! Reads a [`Report`]; draws with [`plot`](crate::accuracy::plot).
+
+use super::Request;
+use super::deadline::Deadline;
+use super::domain::Within;
+use super::input::Sample;
+use super::matched;
+use super::measure::{Outcome, floats, outcome};
+use super::random::Random;
+use super::report::Report;
+use super::role::Role;
+use super::sample::{Plan, columns, settings};
+use super::scene;
+use super::scene::{Geometry, Setting};
+use crate::accuracy::plot::{Axis, Cell, HeatMap, heat_map};
+use landfall_exec::harness::call::Refusal;
+use landfall_exec::harness::call::pure::Pure;
+use landfall_layout::source::Source;
+use landfall_layout::{Diagnostic, Options};
+
+/// What is drawn.
+#[derive(Clone, Debug)]
+pub struct MapRequest {
+    /// The path of the scalar from left to right.
+    pub x: String,
+    /// The path of the scalar from below to above.
+    pub y: String,
+    /// Cells in a row.
+    pub columns: usize,
+    /// Rows of cells.
+    pub rows: usize,
+}
+
+impl Default for MapRequest {
+    fn default() -> MapRequest {
+        MapRequest { x: String::new(), y: String::new(), columns: 96, rows: 72 }
+    }
+}
+
+/// The error of a function over two of its inputs, as SVG.
+///
+/// # Errors
+/// As [`stress`](super::stress()); a path that is no scalar of the function's.
+pub fn error_map(
+    source: &Source,
+    options: &Options,
+    request: &Request,
+    report: &Report,
+    map: &MapRequest,
+) -> Result<String, Box<Refusal>> {
+    let pure = Pure::new(source, options, &request.pure)?;
+    let against = request.against.as_ref();
+    let against = against.map(|(source, other)| Pure::new(source, options, other)).transpose()?;
+    let all = matched::shared(&pure, &against.iter().collect::<Vec<_>>());
+    let refused = |found| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
+    let domain = crate::accuracy::inputs::domain(source, &pure, &all, request.domain.as_ref())
+        .map_err(&refused)?;
+    let paths: Vec<&String> = pure.parameters.iter().flat_map(|p| &p.scalars).collect();
+    let scalar = |path: &str, about: &str| -> Result<usize, Box<Refusal>> {
+        let found = paths.iter().position(|known| *known == path);
+        let found = found.filter(|at| all.iter().any(|i| i.range().contains(at) && i.is_float()));
+        found.ok_or_else(|| {
+            let near = landfall_layout::text::edit_distance::nearest(
+                path,
+                paths.iter().map(|p| p.as_str()),
+            );
+            let help = near.map(|near| format!("did you mean `{near}`?"));
+            refused(Diagnostic::about(
+                "unknown-input",
+                format!("the function reads no float `{path}`"),
+                help,
+                about,
+            ))
+        })
+    };
+    let (x, y) = (scalar(&map.x, "--map-x")?, scalar(&map.y, "--map-y")?);
+    if x == y {
+        let message = format!("`{}` cannot be both axes of a map", map.x);
+        return Err(refused(Diagnostic::about("bad-request", message, None, "--map-y")));
+    }
+    let plan = Plan {
+        samples: 0,
+        until: Deadline::default(),
+        threads: 1,
+        steps: request.steps,
+        ulp: f64::INFINITY,
+        budget: request.budget,
+    };
+    let base = base(&all, &domain, request.seed);
+    let axis = |at: usize, path: &str| {
+        let nth = all.iter().position(|i| i.range().contains(&at)).unwrap_or(0);
+        let now = f64::from(super::input::float(&base, at));
+        match (domain.within[nth], all[nth].role) {
+            (Within::Range(low, high), _) if low > 0.0 && high > 100.0 * low => {
+                Axis::log(path, low, high)
+            }
+            (Within::Range(low, high), _) => Axis::linear(path, low, high),
+            (Within::Any, role) if role.is_position() => Axis::linear(path, now - 2.0, now + 2.0),
+            (Within::Any, Role::Shininess) => Axis::log(path, 1.0, 65536.0),
+            (Within::Any, Role::Constant | Role::Linear | Role::Quadratic) => {
+                Axis::linear(path, 0.0, 1.0)
+            }
+            (Within::Any, Role::InnerCosine | Role::OuterCosine | Role::ConeCosine) => {
+                Axis::linear(path, 0.9, 1.0)
+            }
+            (Within::Any, Role::Distance) => Axis::log(path, 1.0e-6, 1.0e6),
+            (Within::Position, _) => Axis::linear(path, now - 2.0, now + 2.0),
+            (Within::Any | Within::Unit | Within::Cosine, _) => Axis::linear(path, -1.0, 1.0),
+            (Within::Color, _) => Axis::linear(path, 0.0, 1.0),
+        }
+    };
+    let (across, up) = (axis(x, &map.x), axis(y, &map.y));
+    let floats = floats(&pure);
+    let mut cells = Vec::with_capacity(map.columns * map.rows);
+    for row in 0..map.rows {
+        let samples: Vec<Sample> = (0..map.columns)
+            .map(|column| {
+                let mut sample = base.clone();
+                let part = |i: usize, of: usize| (i as f64 + 0.5) / of as f64;
+                let put = |axis: &Axis, at: f64| u64::from((axis.number(at) as f32).to_bits());
+                sample[x] = put(&across, part(column, map.columns));
+                sample[y] = put(&up, part(row, map.rows));
+                sample
+            })
+            .collect();
+        let called = pure.call(&columns(&samples), samples.len(), &settings(&plan, true));
+        let Ok(called) = called else {
+            cells.resize(cells.len() + map.columns, Cell::Empty);
+            continue;
+        };
+        let undefined = |lane: usize| {
+            called.called.notes.undefined.iter().any(|seen| seen.lanes.contains(&lane))
+        };
+        for lane in 0..samples.len() {
+            cells.push(match outcome(&called, &floats, lane) {
+                Outcome::Discarded => Cell::Empty,
+                Outcome::NotANumber | Outcome::Infinite => Cell::NonFinite,
+                Outcome::Off(..) if undefined(lane) => Cell::Undefined,
+                Outcome::Off(off, _) => Cell::Error(off.steps),
+            });
+        }
+    }
+    let errors = cells.iter().filter_map(|cell| match cell {
+        Cell::Error(steps) if *steps > 0.0 => Some(*steps),
+        Cell::Error(_) | Cell::NonFinite | Cell::Undefined | Cell::Empty => None,
+    });
+    let error = Axis::around("error, steps of 1/255", errors);
+    let title = format!("{} in {}", report.function, report.path);
+    let columns = map.columns;
+    Ok(heat_map(&HeatMap { title, x: across, y: up, error, columns, cells }))
+}
+
+/// A scene in the domain.
+fn base(inputs: &super::input::Inputs, domain: &super::domain::Domain, seed: u64) -> Sample {
+    let mut random = Random::new(seed, 1 << 41);
+    let mut sample = Sample::new();
+    for _ in 0..64 {
+        let setting = Setting { geometry: Geometry::InRamp, cone: 0, shine: 0 };
+        sample = scene::sample(inputs, setting, &mut random);
+        if domain.fit(&mut sample, inputs, &mut random) {
+            break;
+        }
+    }
+    sample
+}

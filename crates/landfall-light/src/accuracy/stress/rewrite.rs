@@ -1,0 +1,100 @@
+//! What the robust form of an operation gives for the operands at hand: its gain, measured.
+//!
+//! Reads the trace of a finding's sample; feeds the report.
+
+use super::blame::Graph;
+use super::classify::{Candidate, Examined};
+use super::hazard as h;
+use super::input::Input;
+use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::interp::{Operation, Source, Step};
+
+/// What the robust form gains at one operation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gain {
+    /// The form, in a few words.
+    pub form: &'static str,
+    /// The error as the shader has it.
+    pub before: f64,
+    /// The error of the robust form, from the same operands.
+    pub after: f64,
+}
+
+/// The gain at the operation of a finding; none where the form cannot be computed from it.
+pub(super) fn gain(
+    pure: &Pure,
+    inputs: &[Input],
+    examined: &Examined,
+    candidate: &Candidate,
+) -> Option<Gain> {
+    let graph = Graph { pure, trace: &examined.trace, inputs };
+    let operation = candidate.operation.as_ref()?;
+    let result = operation.result;
+    let off = |x: f32, truth: f64| (f64::from(x) - truth).abs();
+    if candidate.hazard == &h::NARROW_CONE {
+        // theta - outer, as (1 - outer) - |L - D|^2 / 2.
+        let (theta, at) = operation
+            .sources
+            .iter()
+            .enumerate()
+            .find_map(|(at, source)| Some((dot(&graph, *source)?, at)))?;
+        let outer = operation.operands.get(1 - at.min(1))?;
+        let (half, turned) = chord(theta)?;
+        let by_chord = (1.0 - outer.single) - half;
+        let by_chord = if at == 0 { by_chord } else { -by_chord };
+        if turned {
+            return None;
+        }
+        let form = "by the chord, absolute error of the difference";
+        let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
+        return Some(Gain { form, before, after });
+    }
+    let powers = [&h::LARGE_EXPONENT, &h::BASE_ABOVE_ONE];
+    if powers.contains(&candidate.hazard) && operation.operation == Operation::Pow {
+        let step = dot(&graph, operation.sources[0])?;
+        let (half, turned) = chord(step)?;
+        let exponent = f64::from(operation.operands[1].single);
+        let by_chord = (exponent * f64::from(-half).ln_1p()).exp() as f32;
+        if turned {
+            return None;
+        }
+        let form = "by the chord, absolute error of the power";
+        let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
+        return Some(Gain { form, before, after });
+    }
+    None
+}
+
+/// The dot product a number is, cut off or not.
+fn dot<'g>(graph: &Graph<'g>, source: Source) -> Option<&'g Step> {
+    let (step, _) = graph.step(source)?;
+    match step.operation {
+        Operation::Dot => Some(step),
+        Operation::Max | Operation::Min | Operation::Clamp => {
+            step.operands.iter().find_map(|o| dot(graph, o.source))
+        }
+        _ => None,
+    }
+}
+
+/// Half the square of the chord between the two vectors of a dot product, in `f32`; whether they
+/// are rather opposite, so that this is of no use.
+fn chord(step: &Step) -> Option<(f32, bool)> {
+    let half = step.operands.len() / 2;
+    let (a, b) = step.operands.split_at(half);
+    let square: f32 = a
+        .iter()
+        .zip(b)
+        .map(|(x, y)| {
+            let off = x.number.single - y.number.single;
+            off * off
+        })
+        .sum();
+    let chord = 0.5 * square;
+    // Of unit vectors, 1 - cos and the chord agree; a vector that is given is one only as far as
+    // its bits allow, which the f64 takes at their word.
+    let cosine = step.results.first()?.double;
+    let unit = ((1.0 - cosine) - f64::from(chord)).abs() < 1.0e-6;
+    let given = step.operands.iter().any(|o| matches!(o.source, Source::Input { .. }));
+    (unit && !given).then_some((chord, cosine < 0.0))
+}

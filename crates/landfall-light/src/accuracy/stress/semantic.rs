@@ -1,0 +1,345 @@
+//! What no single sample shows: rules the result should keep when an input changes.
+//!
+//! A light below the horizon has no highlight; the length of a normal does not matter; a cut-off
+//! that is an angle lights what it should not. Feeds the report beside [`find`](super::find).
+
+use super::blame::Graph;
+use super::classify::{Candidate, Examined, Performed, examine};
+use super::domain::Within;
+use super::find::Raw;
+use super::generate::Generator;
+use super::hazard as h;
+use super::hazard::Hazard;
+use super::input::{Input, Inputs, Sample, float};
+use super::measure::{Off, Outcome, floats};
+use super::random::Random;
+use super::role::Role;
+use super::sample::Plan;
+use super::scene;
+use super::scene::{Geometry, Setting};
+use super::shrink::plausible;
+use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::interp::{Operation, Source, Step};
+
+/// Scenes each rule is tried on.
+const SCENES: usize = 48;
+
+/// A change of the result that counts, as a share of full scale: a quarter of a step.
+const CHANGE: f64 = 1.0e-3;
+
+/// Breaches of the rules.
+pub(super) fn findings(pure: &Pure, generator: &Generator<'_>, plan: &Plan, seed: u64) -> Vec<Raw> {
+    let check = Check { pure, generator, plan };
+    let mut random = Random::new(seed, 1 << 40);
+    let mut all = Vec::new();
+    all.extend(check.behind(&mut random));
+    all.extend(check.normals(&mut random));
+    all.extend(check.cones(&mut random));
+    all
+}
+
+struct Check<'a> {
+    pure: &'a Pure,
+    generator: &'a Generator<'a>,
+    plan: &'a Plan,
+}
+
+impl Check<'_> {
+    fn inputs(&self) -> &Inputs {
+        self.generator.inputs
+    }
+
+    fn of(&self, is: impl Fn(&Input) -> bool) -> Vec<usize> {
+        (0..self.inputs().len()).filter(|&at| is(&self.inputs()[at])).collect()
+    }
+
+    fn scene(&self, geometry: Geometry, random: &mut Random) -> Option<Sample> {
+        let setting = Setting { geometry, cone: random.below(3), shine: random.below(4) };
+        let mut sample = scene::sample(self.inputs(), setting, random);
+        self.generator.domain.fit(&mut sample, self.inputs(), random).then_some(sample)
+    }
+
+    fn examine(&self, sample: &Sample) -> Option<Examined> {
+        examine(self.pure, self.inputs(), sample, self.plan).ok()
+    }
+
+    /// The results in `f64`; none where one is not finite.
+    fn values(&self, examined: &Examined) -> Option<Vec<f64>> {
+        let values: Vec<f64> = floats(self.pure)
+            .iter()
+            .map(|&(nth, at)| examined.called.results[nth].doubles[at][0])
+            .collect();
+        values.iter().all(|x| x.is_finite()).then_some(values)
+    }
+
+    fn graph<'g>(&'g self, examined: &'g Examined) -> Graph<'g> {
+        Graph { pure: self.pure, trace: &examined.trace, inputs: self.inputs() }
+    }
+
+    fn raw(
+        &self,
+        hazard: &'static Hazard,
+        graph: &Graph<'_>,
+        step: &Step,
+        sample: &Sample,
+        about: Vec<usize>,
+        change: f64,
+    ) -> Raw {
+        let operation = Performed {
+            operation: step.operation,
+            operands: step.operands.iter().map(|o| o.number).collect(),
+            result: step.results.first().copied().unwrap_or_default(),
+            sources: step.operands.iter().map(|o| o.source).collect(),
+        };
+        let place = graph.pure.place_of(step);
+        let candidate = Candidate { hazard, place, operation: Some(operation), about, kind: None };
+        let off = Off { ulp: 0.0, relative: 0.0, steps: 255.0 * change };
+        Raw {
+            candidate,
+            outcome: Outcome::Off(off, false),
+            sample: sample.clone(),
+            severity: 255.0 * change,
+            seen: 1,
+            plausible: plausible(self.inputs(), sample),
+        }
+    }
+
+    /// A light below the horizon should not have a highlight.
+    fn behind(&self, random: &mut Random) -> Option<Raw> {
+        for _ in 0..SCENES {
+            let Some(sample) = self.scene(Geometry::Behind, random) else { continue };
+            let Some(examined) = self.examine(&sample) else { continue };
+            let Some(values) = self.values(&examined) else { continue };
+            let graph = self.graph(&examined);
+            for (away, step) in examined.trace.steps.iter().enumerate() {
+                let below = step.operation == Operation::Dot
+                    && step.results[0].double < -1.0e-3
+                    && cut_at_zero(&examined, away);
+                if !below {
+                    continue;
+                }
+                let facing = graph.inputs_of(step.operands.iter().map(|o| o.source));
+                if !facing.iter().any(|&at| self.inputs()[at].role == Role::Normal) {
+                    continue;
+                }
+                if let Some(raw) = self.highlight(&graph, &facing, &sample, &values, random) {
+                    return Some(raw);
+                }
+            }
+        }
+        None
+    }
+
+    /// A highlight of the same light that reaches the result.
+    fn highlight(
+        &self,
+        graph: &Graph<'_>,
+        facing: &[usize],
+        sample: &Sample,
+        values: &[f64],
+        random: &mut Random,
+    ) -> Option<Raw> {
+        for step in &graph.trace.steps {
+            let shines = step.operation == Operation::Pow && step.results[0].double > 1.0e-2;
+            if !shines {
+                continue;
+            }
+            let behind = graph.inputs_of(step.operands.iter().map(|o| o.source));
+            if !facing.iter().all(|at| behind.contains(at)) {
+                continue;
+            }
+            // What the highlight depends on and the facing does not.
+            for &only in behind.iter().filter(|at| !facing.contains(at)) {
+                let mut other = sample.clone();
+                let input = &self.inputs()[only];
+                for at in input.range() {
+                    let x = float(sample, at);
+                    let moved = match input.len {
+                        1 => x * 4.0 + 1.0,
+                        _ => -x + random.between(-0.5, 0.5) as f32,
+                    };
+                    other[at] = u64::from(moved.to_bits());
+                }
+                let Some(examined) = self.examine(&other) else { continue };
+                let Some(others) = self.values(&examined) else { continue };
+                let change = difference(values, &others);
+                if change > CHANGE {
+                    let hazard = &h::HIGHLIGHT_FROM_BEHIND;
+                    return Some(self.raw(hazard, graph, step, sample, vec![only], change));
+                }
+            }
+        }
+        None
+    }
+
+    /// The length of a normal should not matter.
+    fn normals(&self, random: &mut Random) -> Option<Raw> {
+        let domain = &self.generator.domain.within;
+        let free = |at: &usize| matches!(domain[*at], Within::Any | Within::Range(..));
+        let normals = self.of(|i| i.role == Role::Normal && i.is_vector());
+        let normals: Vec<usize> = normals.into_iter().filter(free).collect();
+        let mut worst: Option<Raw> = None;
+        for &normal in &normals {
+            for scene in 0..SCENES {
+                let geometry = if scene % 2 == 0 { Geometry::Mirror } else { Geometry::Ordinary };
+                let Some(sample) = self.scene(geometry, random) else { continue };
+                let mut scaled = sample.clone();
+                let factor = if scene % 4 < 2 { 1.1f32 } else { 0.8 };
+                for at in self.inputs()[normal].range() {
+                    scaled[at] = u64::from((float(&sample, at) * factor).to_bits());
+                }
+                let pair = self.examine(&sample).zip(self.examine(&scaled));
+                let Some((one, other)) = pair else { continue };
+                let Some((a, b)) = self.values(&one).zip(self.values(&other)) else { continue };
+                let change = difference(&a, &b);
+                let known = worst.as_ref().map_or(CHANGE, |raw| raw.severity / 255.0);
+                if change > known {
+                    let graph = self.graph(&other);
+                    let step = self.first_of(&one, &other, normal);
+                    worst = step.map(|step| {
+                        let hazard = &h::NORMAL_NOT_NORMALISED;
+                        self.raw(hazard, &graph, step, &scaled, vec![normal], change)
+                    });
+                }
+            }
+        }
+        worst
+    }
+
+    /// Back from what changed most between two runs to where the input itself goes in.
+    fn first_of<'e>(
+        &'e self,
+        one: &Examined,
+        other: &'e Examined,
+        input: usize,
+    ) -> Option<&'e Step> {
+        if one.trace.steps.len() != other.trace.steps.len() {
+            // They took different branches: the first operation that reads the input.
+            let graph = self.graph(other);
+            return other
+                .trace
+                .steps
+                .iter()
+                .find(|step| step.operands.iter().any(|o| graph.input(o.source) == Some(input)));
+        }
+        let graph = self.graph(other);
+        let sources = self.pure.sources(&other.trace);
+        let number = |examined: &Examined, source: Source| match source {
+            Source::Step { step, part } => {
+                examined.trace.steps[step as usize].results.get(part as usize).map(|n| n.double)
+            }
+            _ => None,
+        };
+        let change = |source: Source| match (number(one, source), number(other, source)) {
+            (Some(a), Some(b)) => (a - b).abs() / a.abs().max(b.abs()).max(1.0e-12),
+            _ => 0.0,
+        };
+        let mut at = sources.iter().copied().max_by(|a, b| change(*a).total_cmp(&change(*b)))?;
+        for _ in 0..other.trace.steps.len() {
+            let (step, _) = graph.step(at)?;
+            if step.operands.iter().any(|o| graph.input(o.source) == Some(input)) {
+                return Some(step);
+            }
+            at = step
+                .operands
+                .iter()
+                .map(|o| o.source)
+                .max_by(|a, b| change(*a).total_cmp(&change(*b)))?;
+        }
+        None
+    }
+
+    /// A cut-off in degrees should not light what its cosine does not, nor the other way round.
+    fn cones(&self, random: &mut Random) -> Option<Raw> {
+        let domain = &self.generator.domain.within;
+        let wide = |at: &usize| domain[*at].bounds().1 >= 17.5;
+        let cones = self.of(|i| i.role.is_cone() && i.is_number());
+        let cones: Vec<usize> = cones.into_iter().filter(wide).collect();
+        let mut owners: Vec<&str> =
+            cones.iter().map(|&at| self.inputs()[at].owner.as_str()).collect();
+        owners.dedup();
+        for owner in owners.into_iter().take(4) {
+            let own: Vec<usize> =
+                cones.iter().copied().filter(|&at| self.inputs()[at].owner == owner).collect();
+            for _ in 0..SCENES {
+                if let Some(raw) = self.cone(&own, random) {
+                    return Some(raw);
+                }
+            }
+        }
+        None
+    }
+
+    fn cone(&self, cones: &[usize], random: &mut Random) -> Option<Raw> {
+        let setting = Setting { geometry: Geometry::OnAxis, cone: 0, shine: 0 };
+        let lit = scene::sample(self.inputs(), setting, random);
+        let owner = &self.inputs()[cones[0]].owner;
+        let mut away = lit.clone();
+        let related = |path: &str| path == owner || owner.starts_with(&format!("{path}."));
+        let beams: Vec<usize> =
+            self.of(|i| i.role == Role::Axis && (related(&i.owner) || i.owner.is_empty()));
+        for at in beams.iter().flat_map(|&beam| self.inputs()[beam].range()) {
+            away[at] ^= 1 << 31;
+        }
+        let value = |sample: &Sample| self.values(&self.examine(sample)?);
+        let (on, off) = (value(&lit)?, value(&away)?);
+        let shines = difference(&on, &off);
+        if shines < 1.0e-2 {
+            return None;
+        }
+        let degrees = |sample: &Sample| {
+            let mut changed = sample.clone();
+            for &cone in cones {
+                let outer = self.inputs()[cone].role == Role::OuterCosine;
+                let angle = if outer { 17.5f32 } else { 12.5 };
+                changed[self.inputs()[cone].first] = u64::from(angle.to_bits());
+            }
+            changed
+        };
+        for (sample, wanted, other) in [(&away, &off, &on), (&lit, &on, &off)] {
+            let changed = degrees(sample);
+            let mut fitted = changed.clone();
+            if !self.generator.domain.fit(&mut fitted, self.inputs(), random) || fitted != changed {
+                continue;
+            }
+            let examined = self.examine(&changed)?;
+            let got = self.values(&examined)?;
+            let change = difference(wanted, &got);
+            if change < 0.5 * difference(wanted, other) {
+                continue;
+            }
+            let graph = self.graph(&examined);
+            // Where a cut-off meets what was computed of the directions.
+            let meets = |step: &&Step| {
+                let reads = |o: &landfall_exec::interp::Operand| {
+                    graph.input(o.source).is_some_and(|at| cones.contains(&at))
+                };
+                let trigonometric = step.operation == Operation::Trigonometric;
+                !trigonometric
+                    && step.operands.iter().any(&reads)
+                    && step.operands.iter().any(|o| matches!(o.source, Source::Step { .. }))
+            };
+            let step = examined.trace.steps.iter().find(meets)?;
+            let hazard = &h::CONE_OUT_OF_RANGE;
+            return Some(self.raw(hazard, &graph, step, &changed, cones.to_vec(), change));
+        }
+        None
+    }
+}
+
+/// Whether what a step gave is cut off at zero: by `max`, `clamp`, or a branch.
+fn cut_at_zero(examined: &Examined, number: usize) -> bool {
+    examined.trace.steps.iter().any(|step| {
+        let cuts = matches!(step.operation, Operation::Max | Operation::Clamp | Operation::Compare);
+        let reads = |o: &landfall_exec::interp::Operand| {
+            matches!(o.source, Source::Step { step, .. } if step as usize == number)
+        };
+        cuts && step.operands.iter().any(reads)
+    })
+}
+
+/// The largest difference of two results as a share of full scale.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let scale = a.iter().map(|x| x.abs()).fold(1.0, f64::max);
+    a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / scale
+}

@@ -1,0 +1,231 @@
+//! A finding in words: its message, the label at its place, the facts below it.
+//!
+//! Used by the report's lints and by [`emit::stress`](landfall::report::stress).
+
+use super::case::Case;
+use super::measure::Outcome;
+use super::report::Found;
+use landfall_exec::interp::{Number, Operation};
+
+impl Found {
+    /// One sentence: the hazard, and what it does here.
+    pub fn message(&self) -> String {
+        let id = match self.hazard.id {
+            "" => String::new(),
+            id => format!("{id}: "),
+        };
+        let outcome = match (self.breach, self.outcome) {
+            (Some(steps), _) => format!(": {} steps", figure(steps)),
+            (None, Outcome::NotANumber) => ": the result is NaN".to_string(),
+            (None, Outcome::Infinite) => ": the result is infinite".to_string(),
+            (None, Outcome::Off(off, _)) if off.steps >= 0.05 => {
+                format!(": {} steps off, {} ULP", figure(off.steps), figure(off.ulp))
+            }
+            (None, Outcome::Off(off, _)) if self.kind.is_none() => {
+                format!(": {} ULP off", figure(off.ulp))
+            }
+            (None, Outcome::Off(..)) => ": the evaluator's result hides it".to_string(),
+            (None, Outcome::Discarded) => String::new(),
+        };
+        let what = match self.reader {
+            Some(reader) => self.hazard.what.replacen("a driver", reader, 1),
+            None => self.hazard.what.to_string(),
+        };
+        format!("{id}{what}{outcome}")
+    }
+
+    /// What stands at the place: the operation with its operands.
+    pub fn label(&self) -> String {
+        let Some(operation) = &self.operation else {
+            return self.kind.map_or(String::new(), |kind| kind.text().to_string());
+        };
+        let single = |n: &Number| number(f64::from(n.single));
+        let operands: Vec<String> = operation.operands.iter().map(single).collect();
+        let name = name(operation.operation);
+        let (f32, f64) = (single(&operation.result), number(operation.result.double));
+        let result = match f32 == f64 || self.breach.is_some() {
+            true => format!("= {f32}"),
+            false => format!("= {f32}, should be {f64}"),
+        };
+        format!("{name}({}) {result}", operands.join(", "))
+    }
+
+    /// Facts: the input, what its rounding does, what the robust form gains.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        notes.push(format!("with {}", self.case.shown()));
+        if let (Some(operation), None) = (&self.operation, self.kind) {
+            let error = |n: &Number| (f64::from(n.single) - n.double).abs() / n.double.abs();
+            let before = operation.operands.iter().map(error).filter(|x| x.is_finite());
+            let before = before.fold(0.0, f64::max);
+            let after = error(&operation.result);
+            if self.breach.is_none() && after.is_finite() {
+                notes.push(format!(
+                    "relative error of its operands {}, of its result {}",
+                    figure(before),
+                    figure(after)
+                ));
+            }
+        }
+        if let (Some(condition), None, Outcome::Off(off, _)) =
+            (&self.condition, self.breach, self.outcome)
+        {
+            if condition.steps > 0.0 {
+                let verdict = match off.steps > 8.0 * condition.steps {
+                    true => "the formula is at fault",
+                    false => "the problem itself is hard here",
+                };
+                notes.push(format!(
+                    "one ULP of `{}` moves the result by {} steps: {verdict}",
+                    condition.path,
+                    figure(condition.steps)
+                ));
+            }
+        }
+        if let Some(gain) = &self.gain {
+            notes.push(format!(
+                "{}: {} instead of {}",
+                gain.form,
+                figure(gain.after),
+                figure(gain.before)
+            ));
+        }
+        if let (Some(permitted), Outcome::Off(off, _), None) =
+            (&self.permitted, self.outcome, self.breach)
+        {
+            if off.steps >= 0.05 {
+                notes.push(match permitted.any {
+                    true => format!(
+                        "any conformant device may do this: {} steps are permitted",
+                        figure(permitted.steps)
+                    ),
+                    false => format!(
+                        "more than the {} steps that are permitted",
+                        figure(permitted.steps)
+                    ),
+                });
+            }
+        }
+        if let (Some(permitted), Some(_), Outcome::NotANumber | Outcome::Infinite) =
+            (&self.permitted, self.reader, self.outcome)
+        {
+            notes.push(match permitted.any {
+                true => "any conformant device may do this".to_string(),
+                false => "no conformant device may do this: this adapter is wrong".to_string(),
+            });
+        }
+        if let Some(against) = &self.against {
+            let function = &against.function;
+            notes.push(match against.outcome {
+                Outcome::NotANumber => format!("`{function}` gives NaN here too"),
+                Outcome::Infinite => format!("`{function}` gives infinity here too"),
+                Outcome::Discarded => format!("`{function}` gives nothing here"),
+                Outcome::Off(off, _) => {
+                    format!("`{function}` is {} steps off here", figure(off.steps))
+                }
+            });
+        }
+        for asked in &self.readers {
+            let results: Vec<String> =
+                asked.results.iter().map(|x| number(f64::from(*x))).collect();
+            notes.push(match &asked.failure {
+                None => format!("{} gives {}", asked.reader, results.join(", ")),
+                Some(why) => format!("{} gives nothing: {why}", asked.reader),
+            });
+        }
+        if !self.plausible {
+            notes.push("only with numbers no scene has".to_string());
+        }
+        notes
+    }
+}
+
+impl Case {
+    /// The inputs that are not zero, and that the others are.
+    pub fn shown(&self) -> String {
+        let set = self.flat.iter().filter(|(_, values)| values.iter().any(|x| *x != 0.0));
+        let mut all: Vec<String> = set
+            .map(|(path, values)| {
+                let values: Vec<String> = values.iter().map(|x| number(*x)).collect();
+                match values.len() {
+                    1 => format!("{path} = {}", values[0]),
+                    _ => format!("{path} = ({})", values.join(", ")),
+                }
+            })
+            .collect();
+        match (all.len(), self.flat.len() - all.len()) {
+            (_, 0) => {}
+            (0, _) => all.push("all inputs zero".to_string()),
+            (_, _) => all.push("all else zero".to_string()),
+        }
+        all.join(", ")
+    }
+}
+
+/// What an operation is called.
+pub fn name(operation: Operation) -> &'static str {
+    match operation {
+        Operation::Add => "add",
+        Operation::Sub => "subtract",
+        Operation::Mul => "multiply",
+        Operation::Div => "divide",
+        Operation::Rem => "remainder",
+        Operation::Neg => "negate",
+        Operation::Abs => "abs",
+        Operation::Min => "min",
+        Operation::Max => "max",
+        Operation::Edge => "step",
+        Operation::Clamp => "clamp",
+        Operation::Mix => "mix",
+        Operation::SmoothStep => "smoothstep",
+        Operation::Fma => "fma",
+        Operation::Root => "sqrt",
+        Operation::InverseRoot => "inversesqrt",
+        Operation::Pow => "pow",
+        Operation::Exp => "exp",
+        Operation::Log => "log",
+        Operation::Trigonometric => "angle",
+        Operation::Dot => "dot",
+        Operation::Length => "length",
+        Operation::Distance => "distance",
+        Operation::Normalize => "normalize",
+        Operation::Cross => "cross",
+        Operation::Compare => "compare",
+        Operation::Convert => "convert",
+        Operation::Integer => "integer",
+        Operation::Texture => "texture",
+        Operation::Other => "compute",
+    }
+}
+
+/// A number with all its digits.
+pub fn number(x: f64) -> String {
+    if x.is_nan() {
+        return "NaN".to_string();
+    }
+    if x.is_infinite() {
+        return if x > 0.0 { "inf" } else { "-inf" }.to_string();
+    }
+    let single = x as f32;
+    let plain = if f64::from(single) == x { format!("{single:?}") } else { format!("{x:?}") };
+    plain.strip_suffix(".0").unwrap_or(&plain).to_string()
+}
+
+/// A number for the eye: three digits.
+pub fn figure(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return number(x);
+    }
+    match x.abs() {
+        m if (0.01..100.0).contains(&m) => {
+            let digits = (2 - m.log10().floor() as i32).max(0) as usize;
+            let text = format!("{x:.digits$}");
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+                false => text,
+            }
+        }
+        m if (100.0..1.0e6).contains(&m) => format!("{x:.0}"),
+        _ => format!("{x:.1e}"),
+    }
+}

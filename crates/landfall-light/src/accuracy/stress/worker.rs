@@ -1,0 +1,166 @@
+//! One thread of the sampling: runs chunks, tallies what they come to, and keeps the few samples
+//! worth a closer look.
+//!
+//! Started by [`sample`](super::sample), which merges what the threads found; sends batches to the
+//! [`drivers`](super::drivers).
+
+use std::sync::mpsc::SyncSender;
+
+use super::drivers::Batch;
+use super::generate::{Chunk, Family, TAG_BITS};
+use super::measure::{Outcome, floats, outcome};
+use super::sample::{Kept, Plan, Sampled, Tally, Why, columns, keep, settings, top};
+use landfall_exec::backend::{Failure, FailureKind};
+use landfall_exec::harness::call::pure::{Pure, PureCalled};
+
+/// Exemplars a thread keeps.
+const KEPT: usize = 6000;
+
+/// A thread at work.
+pub(super) struct Worker<'a> {
+    pure: &'a Pure,
+    plan: &'a Plan,
+    floats: Vec<(usize, usize)>,
+    pub sampled: Sampled,
+    /// Where drivers get their batches from.
+    to: Option<SyncSender<Batch>>,
+}
+
+impl<'a> Worker<'a> {
+    pub fn new(pure: &'a Pure, plan: &'a Plan, to: Option<SyncSender<Batch>>) -> Worker<'a> {
+        let sampled = Sampled::new();
+        Worker { pure, plan, floats: floats(pure), sampled, to }
+    }
+
+    /// Runs a chunk.
+    ///
+    /// # Errors
+    /// What the evaluator does not know.
+    pub fn run(&mut self, number: usize, chunk: &Chunk) -> Result<(), Failure> {
+        let watch = matches!(chunk.family, Family::Coincidences | Family::Scenes | Family::Every);
+        self.part(number, chunk, 0..chunk.samples.len(), watch)
+    }
+
+    /// Runs lanes of a chunk; those that do not end are found by halving.
+    fn part(
+        &mut self,
+        number: usize,
+        chunk: &Chunk,
+        lanes: std::ops::Range<usize>,
+        watch: bool,
+    ) -> Result<(), Failure> {
+        if lanes.is_empty() {
+            return Ok(());
+        }
+        let samples = &chunk.samples[lanes.clone()];
+        let settings = settings(self.plan, watch);
+        let columns = columns(samples);
+        match self.pure.call(&columns, samples.len(), &settings) {
+            Ok(called) => {
+                let at = (number, lanes.start);
+                let outcomes = self.judge(number, chunk, lanes, &called);
+                if let Some(to) = &self.to {
+                    let special = chunk.family == Family::Special;
+                    let batch = Batch::of(columns, called, &self.floats, outcomes);
+                    // Whoever receives is there until all have sent.
+                    let _ = to.send(Batch { special, at, ..batch });
+                }
+                Ok(())
+            }
+            Err(failure) if failure.kind == FailureKind::TimedOut => {
+                if self.plan.until.is_over() {
+                    self.sampled.stopped = true;
+                    return Ok(());
+                }
+                if lanes.len() == 1 {
+                    let tally = self.tally(chunk.family);
+                    tally.samples += 1;
+                    tally.endless += 1;
+                    let kept = Kept {
+                        sample: chunk.samples[lanes.start].clone(),
+                        severity: 1.0,
+                        at: (number, lanes.start),
+                    };
+                    keep(&mut self.sampled.exemplars, (0, Why::Endless), kept, KEPT);
+                    return Ok(());
+                }
+                let middle = lanes.start + lanes.len() / 2;
+                self.part(number, chunk, lanes.start..middle, watch)?;
+                self.part(number, chunk, middle..lanes.end, watch)
+            }
+            Err(failure) => Err(failure),
+        }
+    }
+
+    fn tally(&mut self, family: Family) -> &mut Tally {
+        let at = Family::ALL.iter().position(|f| *f == family).unwrap_or(0);
+        &mut self.sampled.families[at].1
+    }
+
+    fn judge(
+        &mut self,
+        number: usize,
+        chunk: &Chunk,
+        lanes: std::ops::Range<usize>,
+        called: &PureCalled,
+    ) -> Vec<Outcome> {
+        let mut outcomes = Vec::with_capacity(lanes.len());
+        let special = chunk.family == Family::Special;
+        for lane in 0..lanes.len() {
+            let outcome = outcome(called, &self.floats, lane);
+            outcomes.push(outcome);
+            self.tally(chunk.family).add(outcome);
+            if special {
+                continue;
+            }
+            let nth = lanes.start + lane;
+            if let Outcome::Off(off, _) = outcome {
+                let sample = || chunk.samples[nth].clone();
+                let [by_ulp, by_steps] = &mut self.sampled.tops;
+                top(by_ulp, off.ulp, (number, nth), sample);
+                top(by_steps, off.steps, (number, nth), sample);
+            }
+            let (why, severity) = match outcome {
+                Outcome::Discarded => continue,
+                Outcome::NotANumber => (Why::NotANumber, 2.0),
+                Outcome::Infinite => (Why::Infinite, 1.0),
+                Outcome::Off(off, _)
+                    if off.steps <= self.plan.steps && off.ulp <= self.plan.ulp =>
+                {
+                    continue;
+                }
+                Outcome::Off(off, above) => {
+                    (if above { Why::Above } else { Why::Below }, off.steps)
+                }
+            };
+            let tag = chunk.tags[nth];
+            // Of bits, some of all are kept, not only the worst: they are as good as overflow.
+            let tag = match tag {
+                TAG_BITS => (1 << 28) + (nth as u32 & 63),
+                tag => tag,
+            };
+            self.keep(chunk, number, nth, (tag, why), severity);
+        }
+        let mut undefined = 0;
+        for seen in &called.called.notes.undefined {
+            undefined += seen.count;
+            let span = seen.place.span;
+            for &lane in seen.lanes.iter().filter(|_| !special) {
+                let nth = lanes.start + lane;
+                let key = (chunk.tags[nth], Why::Undefined(seen.kind, span.file, span.start));
+                self.keep(chunk, number, nth, key, 0.0);
+            }
+        }
+        self.tally(chunk.family).undefined += undefined;
+        outcomes
+    }
+
+    fn keep(&mut self, chunk: &Chunk, number: usize, nth: usize, key: (u32, Why), severity: f64) {
+        let known = self.sampled.exemplars.get(&key);
+        if known.is_some_and(|known| known.severity >= severity) {
+            return;
+        }
+        let kept = Kept { sample: chunk.samples[nth].clone(), severity, at: (number, nth) };
+        keep(&mut self.sampled.exemplars, key, kept, KEPT);
+    }
+}

@@ -1,0 +1,264 @@
+//! The bytes of a shader's blocks, its textures and inputs, by a binding map.
+//!
+//! Reads an [`Upload`] and fragments; [`render`](crate::render) hands what it makes to
+//! [`fragments`](landfall_exec::harness::fragments). `write` says where in a block a member is, `given` what
+//! it is given, `varying` are textures and inputs.
+
+mod given;
+mod mark;
+mod varying;
+mod write;
+
+use super::quantity::{Kind, MaterialPart, Quantity};
+use super::{BindError, BindingMap, Source};
+use crate::Upload;
+use crate::scene::{Lights, Material, Surface};
+use given::{Given, Number, chosen, surface};
+use landfall_exec::harness::fragments::FragmentShader;
+use landfall_layout::buffer::Buffer;
+use landfall_layout::shape::ScalarKind;
+use write::{Len, Write, slots, write};
+
+/// The lights a list of fragments is lit by: their numbers in the upload, in the order of the
+/// sum.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lit<'a> {
+    /// Whether the light from everywhere is added.
+    pub ambient: bool,
+    /// Suns.
+    pub directional: &'a [u32],
+    /// Lamps.
+    pub point: &'a [u32],
+    /// Lamps with a cone.
+    pub spot: &'a [u32],
+}
+
+/// Which of the point lights of a [`Lit`] each tile of the picture has, for shaders that ask.
+#[derive(Clone, Copy, Debug)]
+pub struct Tiles<'a> {
+    /// Pixels along a tile's side.
+    pub size: u32,
+    /// Tiles in a row.
+    pub columns: u32,
+    /// Of each tile, the first of its entries in `indices`, and how many they are.
+    pub tiles: &'a [[u32; 2]],
+    /// Numbers of point lights.
+    pub indices: &'a [u32],
+}
+
+/// What becomes of lights for which a shader has no slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Excess {
+    /// They are an error.
+    #[default]
+    Refuse,
+    /// They are left out, the last first.
+    LeaveOut,
+}
+
+/// A binding map made ready to write many uploads.
+#[derive(Clone, Debug)]
+pub struct Filler {
+    writes: Vec<Write>,
+    /// Of each block, zeros; of one that ends in a runtime-sized array, none.
+    blocks: Vec<Vec<u8>>,
+    layouts: Vec<landfall_layout::BlockLayout>,
+    /// Slots of each kind and the member that has the fewest.
+    slots: [(usize, Option<String>); 3],
+    textures: Vec<Source>,
+    inputs: Vec<Source>,
+    /// Whether some texture carries the diffuse, or the specular, colour.
+    textured: [bool; 3],
+    rows_from_bottom: bool,
+}
+
+impl Filler {
+    /// Makes a map ready.
+    ///
+    /// # Errors
+    /// A member that cannot be given what the map says.
+    pub fn new(shader: &FragmentShader, map: &BindingMap) -> Result<Filler, BindError> {
+        let layouts: Vec<_> = shader.blocks().iter().map(|block| block.layout.clone()).collect();
+        let mut writes = Vec::new();
+        for member in &map.members {
+            if member.source != Source::Unknown {
+                writes.push(write(member, &layouts[member.block])?);
+            }
+        }
+        // An element on its own goes over what its array was given.
+        writes.sort_by_key(|write| write.len == Len::One);
+        let blocks = layouts.iter().map(|layout| match Buffer::new(layout) {
+            Ok(buffer) => buffer.into_bytes(),
+            Err(_) => Vec::new(),
+        });
+        let textures: Vec<Source> = map.textures.iter().map(|bound| bound.source.clone()).collect();
+        let carries = |part| {
+            let wanted = Some(Quantity::Material(part));
+            textures.iter().any(|source| source.quantity() == wanted)
+        };
+        Ok(Filler {
+            blocks: blocks.collect(),
+            slots: Kind::ALL.map(|kind| slots(&writes, kind)),
+            writes,
+            layouts,
+            textured: [MaterialPart::Ambient, MaterialPart::Diffuse, MaterialPart::Specular]
+                .map(carries),
+            textures,
+            inputs: map.inputs.iter().map(|bound| bound.source.clone()).collect(),
+            rows_from_bottom: shader.rows_from_bottom(),
+        })
+    }
+
+    /// The lights of an upload that the shader has slots for; all of them, or an error.
+    ///
+    /// # Errors
+    /// More lights of a kind than slots, unless they are to be left out.
+    pub fn lights(&self, lights: &Lights, excess: Excess) -> Result<[Vec<u32>; 3], BindError> {
+        let counts = [lights.directional.len(), lights.point.len(), lights.spot.len()];
+        let mut chosen: [Vec<u32>; 3] = Default::default();
+        for (kind, chosen) in Kind::ALL.into_iter().zip(&mut chosen) {
+            let (lights, (slots, member)) = (counts[kind as usize], &self.slots[kind as usize]);
+            if lights > *slots && excess == Excess::Refuse {
+                let (slots, member) = (*slots, member.clone());
+                return Err(BindError::TooManyLights { kind, lights, slots, member });
+            }
+            *chosen = (0..lights.min(*slots) as u32).collect();
+        }
+        Ok(chosen)
+    }
+
+    /// Slots of the shader for lights of a kind; as many as there may be lights where its array
+    /// is as long as its buffer.
+    pub fn slots(&self, kind: Kind) -> usize {
+        self.slots[kind as usize].0
+    }
+
+    /// The bytes of every block for fragments of one material.
+    ///
+    /// # Errors
+    /// More lights than slots.
+    pub fn blocks(
+        &self,
+        upload: &Upload,
+        lit: &Lit<'_>,
+        material: &Material,
+        tiles: Option<&Tiles<'_>>,
+    ) -> Result<Vec<Vec<u8>>, BindError> {
+        for kind in Kind::ALL {
+            let (lights, (slots, member)) = (chosen(lit, kind).len(), &self.slots[kind as usize]);
+            if lights > *slots {
+                let (slots, member) = (*slots, member.clone());
+                return Err(BindError::TooManyLights { kind, lights, slots, member });
+            }
+        }
+        // One tile of everything, for a shader that asks and a plan that has none.
+        let all: Vec<u32> = (0..lit.point.len().max(1) as u32).collect();
+        let one = [[0, lit.point.len() as u32]];
+        let whole = Tiles { size: u32::MAX, columns: 1, tiles: &one, indices: &all };
+        let given = Given { upload, lit, material, tiles: tiles.unwrap_or(&whole) };
+        let mut blocks = self.sized(&given);
+        for write in &self.writes {
+            let bytes = &mut blocks[write.block];
+            let elements = match write.len {
+                Len::One => 1,
+                Len::Fixed(len) => len,
+                // The leaf need not be the first of its element, so the last is no whole stride.
+                Len::Runtime => {
+                    bytes.len().saturating_sub(write.offset).div_ceil(write.stride.max(1))
+                }
+            };
+            let used = match write.source.quantity() {
+                Some(quantity) if quantity.is_each() => given.count(quantity).min(elements),
+                _ => elements,
+            };
+            for index in 0..used {
+                let number = self.number(&write.source, index, &given);
+                let at = write.offset + index * write.stride;
+                let components = number.components(write.rows);
+                for (row, value) in components.into_iter().enumerate().take(write.rows) {
+                    let word = match write.kind {
+                        ScalarKind::Sint => value as i32 as u32,
+                        ScalarKind::Uint => value as u32,
+                        ScalarKind::Bool => u32::from(value != 0.0),
+                        ScalarKind::Float
+                        | ScalarKind::Bfloat
+                        | ScalarKind::FloatE5m2
+                        | ScalarKind::FloatE4m3 => (value as f32).to_bits(),
+                    };
+                    let at = at + row * 4;
+                    if let Some(to) = bytes.get_mut(at..at + 4) {
+                        to.copy_from_slice(&word.to_ne_bytes());
+                    }
+                }
+            }
+        }
+        Ok(blocks)
+    }
+
+    /// Zeros for each block, runtime-sized arrays as long as what goes into them.
+    fn sized(&self, given: &Given<'_>) -> Vec<Vec<u8>> {
+        let each = self.blocks.iter().enumerate().map(|(number, zeros)| {
+            if !zeros.is_empty() {
+                return zeros.clone();
+            }
+            let of_block = self.writes.iter().filter(|w| w.block == number);
+            let lens = of_block.filter(|w| w.len == Len::Runtime).filter_map(|write| {
+                Some(given.count(write.source.quantity().filter(|q| q.is_each())?))
+            });
+            let elements = lens.max().unwrap_or(0).max(1);
+            let buffer = Buffer::with_tail(&self.layouts[number], elements);
+            buffer.map(Buffer::into_bytes).unwrap_or_default()
+        });
+        each.collect()
+    }
+
+    fn number(&self, source: &Source, index: usize, given: &Given<'_>) -> Number {
+        match source {
+            Source::Unknown => Number::one(0.0),
+            Source::Number(numbers) => {
+                let mut values = [0.0; 4];
+                for (to, from) in values.iter_mut().zip(numbers) {
+                    *to = *from;
+                }
+                match numbers[..] {
+                    [one] => Number::one(one),
+                    _ => Number { values, count: numbers.len() },
+                }
+            }
+            Source::Scene { quantity, negated } => {
+                let mut number = given.number(*quantity, index, &self.textured);
+                if *negated {
+                    number.values = number.values.map(|value| -value);
+                }
+                number
+            }
+        }
+    }
+
+    /// What of a material a member cannot be given as it is.
+    pub fn notes(&self, material: &Material) -> Vec<String> {
+        let mut notes = Vec::new();
+        for write in &self.writes {
+            let Some(Quantity::Material(part)) = write.source.quantity() else { continue };
+            let textured = self.carried(part);
+            if let (Some(Surface::Texture(_)), false) = (surface(material, part), textured) {
+                notes.push(format!(
+                    "`{}` is one colour, and the {} of `{}` a texture: its mean is given",
+                    write.key,
+                    part.word(),
+                    material.name
+                ));
+            }
+        }
+        notes
+    }
+
+    fn carried(&self, part: MaterialPart) -> bool {
+        match part {
+            MaterialPart::Ambient => self.textured[0] || self.textured[1],
+            MaterialPart::Diffuse => self.textured[1],
+            MaterialPart::Specular => self.textured[2],
+            MaterialPart::Shininess | MaterialPart::Reflectance => false,
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! What a quantity of a scene is for the lights and the material that are lit.
+//!
+//! Reads an [`Upload`]; feeds [`Filler`](super::Filler).
+
+use glam::DVec3;
+
+use super::{Lit, Tiles};
+use crate::bind::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
+use crate::scene::{Cone, Emission, Material, PointLight, Surface};
+use crate::{Upload, sample};
+
+/// Everything a member may be given.
+pub(super) struct Given<'a> {
+    pub upload: &'a Upload,
+    pub lit: &'a Lit<'a>,
+    pub material: &'a Material,
+    pub tiles: &'a Tiles<'a>,
+}
+
+/// A number or vector, and the fourth component where the shader has one more.
+#[derive(Clone, Copy)]
+pub(super) struct Number {
+    pub values: [f64; 4],
+    pub count: usize,
+}
+
+impl Number {
+    pub(super) fn one(value: f64) -> Number {
+        Number { values: [value, value, value, value], count: 1 }
+    }
+
+    pub(super) fn vector(value: DVec3, fourth: f64) -> Number {
+        Number { values: [value.x, value.y, value.z, fourth], count: 3 }
+    }
+
+    /// As a leaf of so many components takes it.
+    pub(super) fn components(&self, rows: usize) -> [f64; 4] {
+        let [x, y, z, _] = self.values;
+        match (self.count, rows) {
+            // One number for a colour of three: the brightest channel.
+            (3, 1) => [x.max(y).max(z); 4],
+            _ => self.values,
+        }
+    }
+}
+
+/// Where a light ends that does not: far enough that a window is 1 at any distance.
+const ENDLESS: f64 = 1e18;
+
+impl Given<'_> {
+    /// How many elements of a quantity there are.
+    pub(super) fn count(&self, quantity: Quantity) -> usize {
+        match quantity {
+            Quantity::Light { kind, .. } => chosen(self.lit, kind).len(),
+            Quantity::Tiles(TilePart::First | TilePart::Count) => self.tiles.tiles.len(),
+            Quantity::Tiles(TilePart::Index) => self.tiles.indices.len(),
+            Quantity::Tiles(TilePart::Size | TilePart::Columns)
+            | Quantity::Camera
+            | Quantity::Ambient(_)
+            | Quantity::Count(_)
+            | Quantity::Material(_)
+            | Quantity::Position
+            | Quantity::Normal
+            | Quantity::Uv
+            | Quantity::Pixel => 1,
+        }
+    }
+
+    pub(super) fn number(&self, quantity: Quantity, index: usize, textured: &[bool; 3]) -> Number {
+        let nothing = Number::one(0.0);
+        match quantity {
+            Quantity::Camera => Number::vector(self.upload.camera, 1.0),
+            Quantity::Ambient(part) => {
+                let ambient = self.upload.lights.ambient.filter(|_| self.lit.ambient);
+                let Some(ambient) = ambient else { return nothing };
+                match part {
+                    LightPart::Intensity => Number::one(ambient.intensity),
+                    LightPart::Radiance => Number::vector(ambient.color * ambient.intensity, 1.0),
+                    _ => Number::vector(ambient.color, 1.0),
+                }
+            }
+            Quantity::Light { kind, slot, part } => {
+                let at = match slot {
+                    Slot::Each => index,
+                    Slot::One(number) => number as usize,
+                };
+                match chosen(self.lit, kind).get(at) {
+                    Some(number) => self.light(kind, *number as usize, part),
+                    None => nothing,
+                }
+            }
+            Quantity::Count(kind) => Number::one(chosen(self.lit, kind).len() as f64),
+            Quantity::Material(part) => self.of_material(part, textured),
+            Quantity::Tiles(part) => Number::one(f64::from(match part {
+                TilePart::Size => self.tiles.size,
+                TilePart::Columns => self.tiles.columns,
+                TilePart::First => self.tiles.tiles.get(index).map_or(0, |tile| tile[0]),
+                TilePart::Count => self.tiles.tiles.get(index).map_or(0, |tile| tile[1]),
+                TilePart::Index => self.tiles.indices.get(index).copied().unwrap_or(0),
+            })),
+            Quantity::Position | Quantity::Normal | Quantity::Uv | Quantity::Pixel => nothing,
+        }
+    }
+
+    fn light(&self, kind: Kind, number: usize, part: LightPart) -> Number {
+        let lights = &self.upload.lights;
+        let found = match kind {
+            Kind::Directional => lights.directional.get(number).and_then(|light| {
+                of_emission(&light.emission, part).or(match part {
+                    LightPart::Direction => Some(Number::vector(light.direction, 0.0)),
+                    _ => None,
+                })
+            }),
+            Kind::Point => lights.point.get(number).and_then(|light| of_lamp(light, part)),
+            Kind::Spot => lights.spot.get(number).and_then(|light| {
+                let own = match part {
+                    LightPart::Direction => Some(Number::vector(light.direction, 0.0)),
+                    _ => of_cone(&light.cone, part),
+                };
+                own.or_else(|| of_lamp(&light.lamp, part))
+            }),
+        };
+        found.unwrap_or(Number::one(0.0))
+    }
+
+    fn of_material(&self, part: MaterialPart, textured: &[bool; 3]) -> Number {
+        let Material { diffuse, shininess, reflectance, .. } = self.material;
+        let white = Number::vector(DVec3::ONE, 1.0);
+        let color = |surface: &Surface| match surface {
+            Surface::Constant(color) => Number::vector(*color, 1.0),
+            Surface::Texture(texture) => {
+                let sum: DVec3 =
+                    texture.texels.iter().map(|t| sample::color(*t, texture.srgb)).sum();
+                Number::vector(sum / texture.texels.len().max(1) as f64, 1.0)
+            }
+        };
+        let [ambient, by_diffuse, specular] = *textured;
+        match part {
+            MaterialPart::Shininess => Number::one(*shininess),
+            MaterialPart::Reflectance => Number::one(*reflectance),
+            MaterialPart::Diffuse | MaterialPart::Ambient | MaterialPart::Specular => {
+                let surface = surface(self.material, part).unwrap_or(diffuse);
+                let is_texture = matches!(surface, Surface::Texture(_));
+                let carried = match part {
+                    MaterialPart::Diffuse => by_diffuse,
+                    MaterialPart::Specular => specular,
+                    // The diffuse texture is multiplied with it where there is no other.
+                    MaterialPart::Ambient => ambient || (by_diffuse && surface == diffuse),
+                    MaterialPart::Shininess | MaterialPart::Reflectance => false,
+                };
+                if is_texture && carried { white } else { color(surface) }
+            }
+        }
+    }
+}
+
+fn of_emission(emission: &Emission, part: LightPart) -> Option<Number> {
+    let Emission { ambient, diffuse, specular, color, intensity } = *emission;
+    let color_of = |color| Some(Number::vector(color, 1.0));
+    match part {
+        LightPart::Color => color_of(color),
+        LightPart::Radiance => color_of(color * intensity),
+        LightPart::Ambient => color_of(ambient),
+        LightPart::Diffuse => color_of(diffuse),
+        LightPart::Specular => color_of(specular),
+        LightPart::Intensity => Some(Number::one(intensity)),
+        LightPart::Enabled => Some(Number::one(1.0)),
+        LightPart::Position
+        | LightPart::Direction
+        | LightPart::Constant
+        | LightPart::Linear
+        | LightPart::Quadratic
+        | LightPart::Attenuation
+        | LightPart::Range
+        | LightPart::InnerCos
+        | LightPart::OuterCos
+        | LightPart::InnerDegrees
+        | LightPart::OuterDegrees
+        | LightPart::InnerRadians
+        | LightPart::OuterRadians => None,
+    }
+}
+
+fn of_lamp(lamp: &PointLight, part: LightPart) -> Option<Number> {
+    let weakening = lamp.attenuation;
+    let (c, l, q) = (weakening.constant, weakening.linear, weakening.quadratic);
+    match part {
+        LightPart::Position => Some(Number::vector(lamp.position, 1.0)),
+        LightPart::Constant => Some(Number::one(c)),
+        LightPart::Linear => Some(Number::one(l)),
+        LightPart::Quadratic => Some(Number::one(q)),
+        LightPart::Attenuation => Some(Number::vector(DVec3::new(c, l, q), 0.0)),
+        LightPart::Range => Some(Number::one(weakening.range.unwrap_or(ENDLESS))),
+        _ => of_emission(&lamp.emission, part),
+    }
+}
+
+fn of_cone(cone: &Cone, part: LightPart) -> Option<Number> {
+    let degrees = |at: usize, cos: f64| cone.degrees.map_or(cos.acos().to_degrees(), |d| d[at]);
+    let inner = || degrees(0, cone.inner_cos);
+    let outer = || degrees(1, cone.outer_cos);
+    match part {
+        LightPart::InnerCos => Some(Number::one(cone.inner_cos)),
+        LightPart::OuterCos => Some(Number::one(cone.outer_cos)),
+        LightPart::InnerDegrees => Some(Number::one(inner())),
+        LightPart::OuterDegrees => Some(Number::one(outer())),
+        LightPart::InnerRadians => Some(Number::one(inner().to_radians())),
+        LightPart::OuterRadians => Some(Number::one(outer().to_radians())),
+        _ => None,
+    }
+}
+
+pub(super) fn chosen<'l>(lit: &Lit<'l>, kind: Kind) -> &'l [u32] {
+    match kind {
+        Kind::Directional => lit.directional,
+        Kind::Point => lit.point,
+        Kind::Spot => lit.spot,
+    }
+}
+
+pub(super) fn surface(material: &Material, part: MaterialPart) -> Option<&Surface> {
+    match part {
+        MaterialPart::Ambient => Some(&material.ambient),
+        MaterialPart::Diffuse => Some(&material.diffuse),
+        MaterialPart::Specular => Some(&material.specular),
+        MaterialPart::Shininess | MaterialPart::Reflectance => None,
+    }
+}

@@ -1,0 +1,101 @@
+//! What varies over the surface: the textures of a material, and the inputs of fragments.
+//!
+//! Reads fragments and materials by the sources of a binding map.
+
+use super::given::surface;
+use super::{Filler, Source};
+use crate::bind::quantity::{MaterialPart, Quantity};
+use crate::scene::{Material, Surface};
+use crate::{Fragment, sample};
+use landfall_exec::harness::fragments::Image;
+
+impl Filler {
+    /// The textures for fragments of one material.
+    pub fn textures(&self, material: &Material) -> Vec<Image> {
+        let each = self.textures.iter().map(|source| match source {
+            Source::Scene { quantity: Quantity::Material(part), .. } => {
+                self.texture(material, *part)
+            }
+            Source::Number(numbers) => {
+                let channel = |at: usize| numbers.get(at).or(numbers.last()).copied();
+                let alpha = if numbers.len() == 4 { numbers[3] } else { 1.0 };
+                let rgb = [0, 1, 2].map(|at| channel(at).unwrap_or(0.0));
+                plain([rgb[0], rgb[1], rgb[2], alpha].map(|c| c as f32))
+            }
+            Source::Scene { .. } | Source::Unknown => plain([0.0, 0.0, 0.0, 1.0]),
+        });
+        each.collect()
+    }
+
+    fn texture(&self, material: &Material, part: MaterialPart) -> Image {
+        let Some(surface) = surface(material, part) else { return plain([0.0; 4]) };
+        match surface {
+            Surface::Texture(texture) => {
+                let color = |texel: &[u8; 3]| {
+                    let [r, g, b] = sample::color(*texel, texture.srgb).as_vec3().to_array();
+                    [r, g, b, 1.0]
+                };
+                let texels = texture.texels.iter().map(color).collect();
+                Image { width: texture.width, height: texture.height, texels }
+            }
+            // The colour is in a member, and this is multiplied with it.
+            Surface::Constant(_) if self.colours(part) => plain([1.0; 4]),
+            Surface::Constant(color) => {
+                let [r, g, b] = color.as_vec3().to_array();
+                plain([r, g, b, 1.0])
+            }
+        }
+    }
+
+    /// Whether a member of the shader holds that colour.
+    fn colours(&self, part: MaterialPart) -> bool {
+        let wanted = Some(Quantity::Material(part));
+        self.writes.iter().any(|write| write.source.quantity() == wanted)
+    }
+
+    /// The values of each input for fragments.
+    pub fn inputs<'f>(
+        &self,
+        fragments: impl Iterator<Item = &'f Fragment> + Clone,
+        size: [u32; 2],
+    ) -> Vec<Vec<[f32; 4]>> {
+        let [width, height] = size.map(|n| n.max(1));
+        let each = self.inputs.iter().map(|source| -> Vec<[f32; 4]> {
+            let value = |fragment: &Fragment| -> [f32; 4] {
+                let quantity = match source {
+                    Source::Scene { quantity, .. } => quantity,
+                    Source::Number(numbers) => {
+                        let at = |at: usize| numbers.get(at).copied().unwrap_or(0.0) as f32;
+                        return [at(0), at(1), at(2), at(3)];
+                    }
+                    Source::Unknown => return [0.0; 4],
+                };
+                let ([x, y, z], [nx, ny, nz]) = (fragment.position, fragment.normal);
+                match quantity {
+                    Quantity::Position => [x, y, z, 1.0],
+                    Quantity::Normal => [nx, ny, nz, 0.0],
+                    Quantity::Uv => [fragment.uv[0], fragment.uv[1], 0.0, 0.0],
+                    Quantity::Pixel => {
+                        let (column, row) = (fragment.pixel % width, fragment.pixel / width);
+                        let row = if self.rows_from_bottom { height - 1 - row } else { row };
+                        [column as f32 + 0.5, row as f32 + 0.5, 0.0, 1.0]
+                    }
+                    Quantity::Camera
+                    | Quantity::Ambient(_)
+                    | Quantity::Light { .. }
+                    | Quantity::Count(_)
+                    | Quantity::Material(_)
+                    | Quantity::Tiles(_) => [0.0; 4],
+                }
+            };
+            let negated = matches!(source, Source::Scene { negated: true, .. });
+            let signed = |v: [f32; 4]| if negated { v.map(|c| -c) } else { v };
+            fragments.clone().map(|fragment| signed(value(fragment))).collect()
+        });
+        each.collect()
+    }
+}
+
+fn plain(texel: [f32; 4]) -> Image {
+    Image { width: 1, height: 1, texels: vec![texel] }
+}

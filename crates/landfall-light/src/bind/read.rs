@@ -1,0 +1,122 @@
+//! What a scene or a file says of the binding, over what was guessed.
+//!
+//! `{"PointLightBlock.data[].pos": "point[].position", "dirLight.direction":
+//! "-directional[0].direction", "exposure": 1, "shadowMap": null}`: a member by its block and
+//! path, or a loose uniform, texture or input by its name; a quantity, its negative, numbers, or
+//! `null` for zero.
+
+use serde_json::{Map, Value};
+
+use super::{BindError, BindingMap, Bound, Member, Quantity, Source};
+
+/// A map with some of its sources replaced.
+///
+/// # Errors
+/// A key that names nothing of the shader's, a word that is no quantity, a value of another kind.
+pub fn overridden(
+    mut map: BindingMap,
+    given: &Map<String, Value>,
+) -> Result<BindingMap, BindError> {
+    for (key, value) in given {
+        let source = source(key, value)?;
+        if !put(&mut map, key, &source) {
+            return Err(unknown(&map, key));
+        }
+        let of_fragment = source.quantity().is_some_and(Quantity::is_of_fragment);
+        let is_input = map.inputs.iter().any(|input| input.name == *key);
+        let constant = matches!(source, Source::Number(_) | Source::Unknown);
+        if of_fragment != is_input && !constant {
+            let why = match is_input {
+                true => format!("is an input, and `{source}` is no number of a fragment"),
+                false => format!("is no input, and only inputs can be `{source}`"),
+            };
+            return Err(BindError::Misfit { key: key.clone(), why });
+        }
+    }
+    Ok(map)
+}
+
+fn put(map: &mut BindingMap, key: &str, source: &Source) -> bool {
+    let mut found = false;
+    for member in &mut map.members {
+        if member.key() == key || format!("{}.{}", member.name, member.path) == key {
+            member.source = source.clone();
+            found = true;
+        }
+    }
+    for bound in map.textures.iter_mut().chain(&mut map.inputs) {
+        if bound.name == key {
+            bound.source = source.clone();
+            found = true;
+        }
+    }
+    found || element(map, key, source)
+}
+
+/// One element of an array: a member of its own, after that of the pattern.
+fn element(map: &mut BindingMap, key: &str, source: &Source) -> bool {
+    let pattern = |path: &str| {
+        let mut out = String::new();
+        let mut depth = false;
+        for c in path.chars() {
+            depth = (depth || c == '[') && c != ']';
+            if !depth || c == '[' {
+                out.push(c);
+            }
+        }
+        out
+    };
+    let wanted = pattern(key);
+    let whole = |member: &&Member| wanted != key && member.key() == wanted;
+    let Some(member) = map.members.iter().find(whole).cloned() else { return false };
+    let path = key.strip_prefix(&format!("{}.", member.name)).unwrap_or(key).to_string();
+    map.members.push(Member { path, source: source.clone(), ..member });
+    true
+}
+
+fn unknown(map: &BindingMap, key: &str) -> BindError {
+    let members = map.members.iter().map(Member::key);
+    let bound = map.textures.iter().chain(&map.inputs).map(|Bound { name, .. }| name.clone());
+    let all: Vec<String> = members.chain(bound).collect();
+    let nearest =
+        landfall_layout::text::edit_distance::nearest(key, all.iter().map(String::as_str));
+    BindError::UnknownTarget { key: key.to_string(), nearest: nearest.map(str::to_string) }
+}
+
+fn source(key: &str, value: &Value) -> Result<Source, BindError> {
+    let number = |value: &Value| match value {
+        Value::Bool(yes) => Some(f64::from(u8::from(*yes))),
+        other => other.as_f64(),
+    };
+    let misfit = || {
+        let why = "is to be a quantity, a number, an array of up to four numbers, or null";
+        BindError::Misfit { key: key.to_string(), why: why.to_string() }
+    };
+    match value {
+        Value::Null => Ok(Source::Number(vec![0.0])),
+        Value::Bool(_) | Value::Number(_) => {
+            Ok(Source::Number(vec![number(value).ok_or_else(misfit)?]))
+        }
+        Value::Array(items) if (1..=4).contains(&items.len()) => {
+            let numbers: Option<Vec<f64>> = items.iter().map(number).collect();
+            Ok(Source::Number(numbers.ok_or_else(misfit)?))
+        }
+        Value::String(word) => {
+            let (negated, name) = match word.strip_prefix('-') {
+                Some(rest) => (true, rest),
+                None => (false, word.as_str()),
+            };
+            let quantity = Quantity::parse(name.trim()).ok_or_else(|| {
+                let names = Quantity::names();
+                let nearest = landfall_layout::text::edit_distance::nearest(
+                    name,
+                    names.iter().map(String::as_str),
+                );
+                let nearest = nearest.map(str::to_string);
+                BindError::UnknownQuantity { key: key.to_string(), word: word.clone(), nearest }
+            })?;
+            Ok(Source::Scene { quantity, negated })
+        }
+        Value::Array(_) | Value::Object(_) => Err(misfit()),
+    }
+}

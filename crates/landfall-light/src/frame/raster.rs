@@ -1,0 +1,248 @@
+//! Which triangle each pixel sees.
+//!
+//! In the camera's space a pixel's centre is a ray from the origin, and each edge of a triangle
+//! spans a plane with the origin: the ray meets the triangle where it is on the inner side of
+//! all three (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates",
+//! 1997). What is behind the camera needs no cutting off, depth is the triangle's volume by the
+//! sum of the three, and the three by their sum are the weights of the corners, perspective
+//! included. An edge's plane seen from its other triangle is its exact negative, so no pixel is
+//! lost between two triangles and none is theirs both.
+
+use std::ops::Range;
+use std::thread;
+
+use glam::DVec3;
+
+use super::Fragment;
+use super::vertices::{Corners, Lit};
+use crate::Scene;
+use crate::scene::Camera;
+
+/// Rows that are worth a thread.
+const ROWS_A_THREAD: usize = 64;
+
+/// No triangle.
+const NONE: u32 = u32::MAX;
+
+/// What is seen, in the order of the pixels.
+pub(super) fn fragments(scene: &Scene, corners: &Corners) -> Vec<Fragment> {
+    let [width, height] = scene.size.map(|size| size as usize);
+    let Some(pixels) = width.checked_mul(height).filter(|pixels| *pixels < NONE as usize) else {
+        return Vec::new();
+    };
+    if pixels == 0 {
+        return Vec::new();
+    }
+    let screen = Screen::new(&scene.camera, width, height);
+    let triangles = triangles(scene, corners, &screen);
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let bands = threads.min(height.div_ceil(ROWS_A_THREAD));
+    let rows = height.div_ceil(bands);
+    let band = |band: usize| {
+        let rows = band * rows..((band + 1) * rows).min(height);
+        Band::new(&screen, rows).draw(&triangles).fragments(scene, corners, &triangles)
+    };
+    if bands == 1 {
+        return band(0);
+    }
+    let parts: Vec<Vec<Fragment>> = thread::scope(|scope| {
+        let band = &band;
+        let running: Vec<_> = (0..bands).map(|number| scope.spawn(move || band(number))).collect();
+        let finished = running.into_iter().map(thread::ScopedJoinHandle::join);
+        finished.map(|part| part.expect("a band does not panic")).collect()
+    });
+    parts.concat()
+}
+
+/// Where the rays of the pixels' centres go: `(x[column], y[row], -1)`.
+struct Screen {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    /// Half of the picture's width and height at distance 1.
+    half: [f64; 2],
+    depths: Range<f64>,
+}
+
+impl Screen {
+    fn new(camera: &Camera, width: usize, height: usize) -> Screen {
+        let up = (camera.fov.to_radians() / 2.0).tan();
+        let right = up * (width as f64 / height as f64);
+        let x = |column| ((2 * column + 1) as f64 / width as f64 - 1.0) * right;
+        let y = |row| (1.0 - (2 * row + 1) as f64 / height as f64) * up;
+        Screen {
+            x: (0..width).map(x).collect(),
+            y: (0..height).map(y).collect(),
+            half: [right, up],
+            depths: camera.near..camera.far,
+        }
+    }
+
+    /// Columns and rows that a triangle may cover: a pixel more on each side than its corners
+    /// say. None where all of it is before the near plane or behind the far one.
+    fn bounds(&self, corners: &[DVec3; 3]) -> Option<[Range<usize>; 2]> {
+        let near = self.depths.start;
+        let nearest = corners.iter().fold(f64::INFINITY, |depth, corner| depth.min(-corner.z));
+        let (size, half) = ([self.x.len(), self.y.len()], self.half);
+        if nearest > self.depths.end {
+            return None;
+        }
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        let mut take = |point: DVec3| {
+            let at = [point.x / -point.z / half[0], -(point.y / -point.z) / half[1]];
+            for axis in 0..2 {
+                let pixel = (at[axis] + 1.0) / 2.0 * size[axis] as f64;
+                low[axis] = low[axis].min(pixel);
+                high[axis] = high[axis].max(pixel);
+            }
+        };
+        for (i, &corner) in corners.iter().enumerate() {
+            let next = corners[(i + 1) % 3];
+            let inside = |corner: DVec3| -corner.z >= near;
+            if inside(corner) {
+                take(corner);
+            }
+            if inside(corner) != inside(next) {
+                // Where the edge passes through the near plane.
+                let part = (-near - corner.z) / (next.z - corner.z);
+                take((corner + (next - corner) * part).with_z(-near));
+            }
+        }
+        let range = |axis: usize| {
+            // A conversion to a whole number stops at 0 and at its largest.
+            let first = (low[axis] - 1.0).floor() as usize;
+            let last = (high[axis] + 1.0).ceil() as usize;
+            first.min(size[axis])..last.min(size[axis])
+        };
+        let ranges = [range(0), range(1)];
+        ranges.iter().all(|range| !range.is_empty()).then_some(ranges)
+    }
+}
+
+/// A triangle that may be seen.
+struct Triangle {
+    /// The planes of the edges opposite to each corner, turned so that inside is positive.
+    planes: [DVec3; 3],
+    /// Which edges have the pixels' centres that are exactly on them.
+    owns: [bool; 3],
+    /// Six times the volume of the triangle and the camera.
+    volume: f64,
+    columns: Range<usize>,
+    rows: Range<usize>,
+    corners: [usize; 3],
+    object: u32,
+}
+
+fn triangles(scene: &Scene, corners: &Corners, screen: &Screen) -> Vec<Triangle> {
+    let mut triangles = Vec::new();
+    for (number, object) in scene.objects.iter().enumerate() {
+        let first = corners.first[number];
+        for triangle in &object.mesh.triangles {
+            if triangle.iter().any(|&corner| corner as usize >= object.mesh.vertices.len()) {
+                continue;
+            }
+            let at = triangle.map(|corner| first + corner as usize);
+            triangles.extend(Triangle::new(at, number as u32, corners, screen));
+        }
+    }
+    // One more would be no number of a triangle.
+    triangles.truncate(NONE as usize);
+    triangles
+}
+
+impl Triangle {
+    fn new(corners: [usize; 3], object: u32, all: &Corners, screen: &Screen) -> Option<Triangle> {
+        let seen = corners.map(|corner| all.seen[corner]);
+        let [a, b, c] = seen;
+        let volume = a.dot(b.cross(c));
+        // Seen from its edge, or of no number.
+        if volume == 0.0 || !volume.is_finite() {
+            return None;
+        }
+        let [columns, rows] = screen.bounds(&seen)?;
+        let planes = [b.cross(c), c.cross(a), a.cross(b)].map(|plane| plane * volume.signum());
+        // Inside is to the right of a left edge, and below a top edge.
+        let owns = planes.map(|plane| plane.x > 0.0 || (plane.x == 0.0 && plane.y < 0.0));
+        Some(Triangle { planes, owns, volume: volume.abs(), columns, rows, corners, object })
+    }
+
+    /// How far inside each plane a ray is.
+    fn inside(&self, x: f64, y: f64) -> [f64; 3] {
+        self.planes.map(|plane| plane.x * x + (plane.y * y - plane.z))
+    }
+
+    fn covers(&self, inside: [f64; 3]) -> bool {
+        (0..3).all(|edge| inside[edge] > 0.0 || (inside[edge] == 0.0 && self.owns[edge]))
+    }
+}
+
+/// Some rows of the picture: how near the nearest triangle of each pixel is, and which.
+struct Band<'s> {
+    screen: &'s Screen,
+    rows: Range<usize>,
+    nearest: Vec<f64>,
+    which: Vec<u32>,
+}
+
+impl Band<'_> {
+    fn new(screen: &Screen, rows: Range<usize>) -> Band<'_> {
+        let pixels = rows.len() * screen.x.len();
+        Band { screen, rows, nearest: vec![f64::INFINITY; pixels], which: vec![NONE; pixels] }
+    }
+
+    fn draw(mut self, triangles: &[Triangle]) -> Self {
+        let (screen, width) = (self.screen, self.screen.x.len());
+        for (number, triangle) in triangles.iter().enumerate() {
+            let first = triangle.rows.start.max(self.rows.start);
+            for row in first..triangle.rows.end.min(self.rows.end) {
+                let start = (row - self.rows.start) * width;
+                for column in triangle.columns.clone() {
+                    let inside = triangle.inside(screen.x[column], screen.y[row]);
+                    if !triangle.covers(inside) {
+                        continue;
+                    }
+                    let depth = triangle.volume / (inside[0] + inside[1] + inside[2]);
+                    let pixel = start + column;
+                    let between = depth >= screen.depths.start && depth <= screen.depths.end;
+                    if between && depth < self.nearest[pixel] {
+                        self.nearest[pixel] = depth;
+                        self.which[pixel] = number as u32;
+                    }
+                }
+            }
+        }
+        self
+    }
+
+    fn fragments(&self, scene: &Scene, corners: &Corners, all: &[Triangle]) -> Vec<Fragment> {
+        let width = self.screen.x.len();
+        let covered = self.which.iter().enumerate().filter(|(_, which)| **which != NONE);
+        let fragment = |(pixel, which): (usize, &u32)| {
+            let triangle = &all[*which as usize];
+            let (row, column) = (self.rows.start + pixel / width, pixel % width);
+            let inside = triangle.inside(self.screen.x[column], self.screen.y[row]);
+            let lit = between(triangle.corners.map(|corner| corners.lit[corner]), inside);
+            Fragment {
+                pixel: (row * width + column) as u32,
+                material: scene.objects[triangle.object as usize].material as u32,
+                object: triangle.object,
+                position: lit.position.as_vec3().to_array(),
+                normal: lit.normal.as_vec3().to_array(),
+                uv: lit.uv.as_vec2().to_array(),
+            }
+        };
+        covered.map(fragment).collect()
+    }
+}
+
+/// What lies between three corners, by their weights.
+fn between(corners: [Lit; 3], weights: [f64; 3]) -> Lit {
+    let sum = weights[0] + weights[1] + weights[2];
+    let [a, b, c] = corners;
+    let [wa, wb, wc] = weights.map(|weight| weight / sum);
+    Lit {
+        position: a.position * wa + b.position * wb + c.position * wc,
+        normal: a.normal * wa + b.normal * wb + c.normal * wc,
+        uv: a.uv * wa + b.uv * wb + c.uv * wc,
+    }
+}

@@ -1,0 +1,77 @@
+//! The corners of a scene's triangles, where they are seen and where they are lit.
+
+use glam::{DMat3, DMat4, DVec2, DVec3};
+
+use super::VertexNormals;
+use crate::Scene;
+use crate::scene::Space;
+
+/// All corners of a scene, object by object.
+pub(super) struct Corners {
+    /// Where they are for the camera: x right, y up, -z ahead.
+    pub seen: Vec<DVec3>,
+    /// What is interpolated.
+    pub lit: Vec<Lit>,
+    /// The first corner of each object.
+    pub first: Vec<usize>,
+}
+
+/// What a fragment shader is given of a corner, in the space of the lighting.
+#[derive(Clone, Copy)]
+pub(super) struct Lit {
+    pub position: DVec3,
+    pub normal: DVec3,
+    pub uv: DVec2,
+}
+
+impl Corners {
+    pub fn new(scene: &Scene, normals: VertexNormals) -> Corners {
+        let view = Space::View.axes(&scene.camera);
+        let lighting = scene.space.axes(&scene.camera);
+        let mut corners = Corners { seen: Vec::new(), lit: Vec::new(), first: Vec::new() };
+        for object in &scene.objects {
+            corners.first.push(corners.seen.len());
+            let seen = view.transform(&object.transform);
+            let lit = lighting.transform(&object.transform);
+            let turned = Turned::new(&lit, normals);
+            for vertex in &object.mesh.vertices {
+                corners.seen.push(seen.transform_point3(vertex.position));
+                corners.lit.push(Lit {
+                    position: lit.transform_point3(vertex.position),
+                    normal: turned.normal(vertex.normal),
+                    uv: vertex.uv,
+                });
+            }
+        }
+        corners
+    }
+}
+
+/// What turns an object's normals.
+struct Turned {
+    linear: DMat3,
+    /// What makes the fourth component, for those who let it take part.
+    fourth: DVec3,
+    normals: VertexNormals,
+}
+
+impl Turned {
+    fn new(transform: &DMat4, normals: VertexNormals) -> Turned {
+        let inverse = DMat3::from_mat4(*transform).inverse();
+        // The last row of the transposed inverse: minus the way back of the object's place.
+        let fourth = -(inverse * transform.w_axis.truncate());
+        Turned { linear: inverse.transpose(), fourth, normals }
+    }
+
+    fn normal(&self, normal: DVec3) -> DVec3 {
+        let turned = self.linear * normal;
+        match self.normals {
+            VertexNormals::Transformed => turned,
+            VertexNormals::Unit => turned.normalize_or_zero(),
+            VertexNormals::UnitOfFour => {
+                let four = turned.extend(self.fourth.dot(normal));
+                four.normalize_or_zero().truncate()
+            }
+        }
+    }
+}

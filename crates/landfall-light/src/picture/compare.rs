@@ -1,0 +1,251 @@
+//! How far two pictures are apart: in floats before anything is cut off, in codes, and seen.
+//!
+//! Reads two [`Picture`]s; the binary prints a [`Comparison`] and gates on its numbers. A
+//! *step* is 1/255, whatever the transfer.
+
+use serde::Serialize;
+
+use super::Picture;
+use super::code::{Codes, Transfer, codes};
+use super::error::PictureError;
+use super::flip;
+use super::flip::FlipMap;
+
+/// How two pictures are compared.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Compare<'a> {
+    /// What makes codes of the linear values.
+    pub transfer: Transfer,
+    /// Pixels to leave out, one mark each: fragments whose lighting is undefined.
+    pub leave_out: Option<&'a [bool]>,
+}
+
+/// How far two pictures are apart. Alpha has a number of its own; all others are of red, green
+/// and blue of the pixels that are compared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Pixels that are compared.
+    pub pixels: u64,
+    /// Pixels that are not, as asked for.
+    pub left_out: u64,
+    /// What is NaN or infinite, and so compared by no number below but FLIP.
+    pub non_finite: NonFinite,
+    /// The difference of linear values, neither clamped nor rounded.
+    pub linear: Linear,
+    /// The difference of 8-bit codes.
+    pub codes: CodeSteps,
+    /// Peak signal to noise of the codes.
+    pub psnr: Psnr,
+    /// How visible it is.
+    pub flip: Visible,
+}
+
+/// Channels of red, green and blue that are NaN or infinite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct NonFinite {
+    /// In the first picture.
+    pub a: u64,
+    /// In the second.
+    pub b: u64,
+    /// In either: this many channels are not compared.
+    pub either: u64,
+    /// Pixels with such a channel, or such an alpha, in either.
+    pub pixels: u64,
+}
+
+/// Absolute differences in steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Linear {
+    /// The largest.
+    pub max: f64,
+    /// The smallest that 99.9 % of the channels do not exceed.
+    pub p999: f64,
+    /// The mean: close to the share of codes that flip, where it is small.
+    pub mean: f64,
+    /// Column and row of the largest.
+    pub at: Option<[u32; 2]>,
+    /// The largest of alpha.
+    pub alpha_max: f64,
+}
+
+/// Differences of codes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CodeSteps {
+    /// How the codes were made.
+    pub transfer: Transfer,
+    /// Channels compared.
+    pub channels: u64,
+    /// The largest difference.
+    pub max: u8,
+    /// Channels that differ by 0, 1, 2, and 3 or more.
+    pub counts: [u64; 4],
+    /// Part of the channels that differ at all: the *flips*.
+    pub flips: f64,
+}
+
+/// Peak signal to noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Psnr {
+    /// No code differs: the ratio is infinite.
+    Identical,
+    /// Decibels.
+    Db(f64),
+    /// Nothing was compared.
+    Nothing,
+}
+
+/// FLIP of the compared pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Visible {
+    /// The mean, 0 to 1.
+    pub mean: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+/// Compares two pictures.
+///
+/// # Errors
+/// Their sizes differ, one is not [whole](Picture::checked), or marks are missing.
+pub fn compare(
+    a: &Picture,
+    b: &Picture,
+    options: &Compare<'_>,
+) -> Result<Comparison, PictureError> {
+    compare_and_map(a, b, options).map(|(comparison, _)| comparison)
+}
+
+/// The same, with the map of what is visible.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_and_map(
+    a: &Picture,
+    b: &Picture,
+    options: &Compare<'_>,
+) -> Result<(Comparison, FlipMap), PictureError> {
+    let (a, b) = (a.checked()?, b.checked()?);
+    let sizes = [[a.width, a.height], [b.width, b.height]];
+    if sizes[0] != sizes[1] {
+        return Err(PictureError::SizesDiffer { a: sizes[0], b: sizes[1] });
+    }
+    let pixels = a.pixels.len() as u64;
+    if let Some(marks) = options.leave_out.map(|marks| marks.len() as u64) {
+        if marks != pixels {
+            return Err(PictureError::WrongMask { pixels, marks });
+        }
+    }
+    let out = |pixel: usize| options.leave_out.is_some_and(|marks| marks[pixel]);
+    let (codes_a, mut codes_b) = (codes(a, options.transfer), codes(b, options.transfer));
+    // What is left out must not be seen from its neighbours either.
+    for (pixel, code) in codes_b.pixels.iter_mut().enumerate() {
+        if out(pixel) {
+            *code = codes_a.pixels[pixel];
+        }
+    }
+    let kept: Vec<usize> = (0..a.pixels.len()).filter(|pixel| !out(*pixel)).collect();
+    let map = flip::flip(&codes_a, &codes_b, flip::PIXELS_PER_DEGREE)?;
+    let (non_finite, linear) = linear(a, b, &kept);
+    let (steps, psnr) = steps(a, b, [&codes_a, &codes_b], &kept, options.transfer);
+    let comparison = Comparison {
+        width: a.width,
+        height: a.height,
+        pixels: kept.len() as u64,
+        left_out: pixels - kept.len() as u64,
+        non_finite,
+        linear,
+        codes: steps,
+        psnr,
+        flip: visible(&map, &kept),
+    };
+    Ok((comparison, map))
+}
+
+fn linear(a: &Picture, b: &Picture, kept: &[usize]) -> (NonFinite, Linear) {
+    let mut non_finite = NonFinite { a: 0, b: 0, either: 0, pixels: 0 };
+    let mut linear = Linear { max: 0.0, p999: 0.0, mean: 0.0, at: None, alpha_max: 0.0 };
+    let mut errors = Vec::with_capacity(3 * kept.len());
+    for &pixel in kept {
+        let (a_pixel, b_pixel) = (a.pixels[pixel], b.pixels[pixel]);
+        let mut finite = true;
+        for channel in 0..4 {
+            let (va, vb) = (a_pixel[channel], b_pixel[channel]);
+            let both = va.is_finite() && vb.is_finite();
+            finite &= both;
+            let error = 255.0 * (f64::from(va) - f64::from(vb)).abs();
+            match (channel, both) {
+                (3, true) => linear.alpha_max = linear.alpha_max.max(error),
+                (3, false) => {}
+                (_, true) => {
+                    if error > linear.max {
+                        linear.max = error;
+                        let pixel = pixel as u32;
+                        linear.at = Some([pixel % a.width, pixel / a.width]);
+                    }
+                    errors.push(error);
+                }
+                (_, false) => {
+                    non_finite.a += u64::from(!va.is_finite());
+                    non_finite.b += u64::from(!vb.is_finite());
+                    non_finite.either += 1;
+                }
+            }
+        }
+        non_finite.pixels += u64::from(!finite);
+    }
+    if !errors.is_empty() {
+        linear.mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        let (_, p999, _) = {
+            // Nearest rank, in whole numbers: at least 999 of 1000 are not above it.
+            let rank = (errors.len() * 999).div_ceil(1000);
+            errors.select_nth_unstable_by(rank - 1, f64::total_cmp)
+        };
+        linear.p999 = *p999;
+    }
+    (non_finite, linear)
+}
+
+fn steps(
+    a: &Picture,
+    b: &Picture,
+    codes: [&Codes; 2],
+    kept: &[usize],
+    transfer: Transfer,
+) -> (CodeSteps, Psnr) {
+    let mut steps = CodeSteps { transfer, channels: 0, max: 0, counts: [0; 4], flips: 0.0 };
+    let mut squares = 0u64;
+    for &pixel in kept {
+        for channel in 0..3 {
+            if !a.pixels[pixel][channel].is_finite() || !b.pixels[pixel][channel].is_finite() {
+                continue;
+            }
+            let [a, b] = codes.map(|codes| codes.pixels[pixel][channel]);
+            let difference = a.abs_diff(b);
+            steps.channels += 1;
+            steps.max = steps.max.max(difference);
+            steps.counts[usize::from(difference).min(3)] += 1;
+            squares += u64::from(difference).pow(2);
+        }
+    }
+    let channels = steps.channels as f64;
+    let psnr = match (steps.channels, squares) {
+        (0, _) => Psnr::Nothing,
+        (_, 0) => Psnr::Identical,
+        _ => Psnr::Db(10.0 * (255.0 * 255.0 * channels / squares as f64).log10()),
+    };
+    if steps.channels > 0 {
+        steps.flips = (steps.channels - steps.counts[0]) as f64 / channels;
+    }
+    (steps, psnr)
+}
+
+fn visible(map: &FlipMap, kept: &[usize]) -> Visible {
+    let errors = kept.iter().map(|pixel| f64::from(map.errors[*pixel]));
+    let sum: f64 = errors.clone().sum();
+    Visible { mean: sum / kept.len().max(1) as f64, max: errors.fold(0.0, f64::max) }
+}

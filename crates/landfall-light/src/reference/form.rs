@@ -1,0 +1,134 @@
+//! The formulas of lighting in forms that keep their digits.
+//!
+//! Used by [`light`](super::light). A cosine next to 1 is held as its distance from 1: half the
+//! square of the chord between two unit vectors. Lengths need no scaling here: `f64` holds the
+//! square of any `f32` and of any difference of two.
+
+use glam::DVec3;
+
+use super::model::Window;
+use super::undef::Undef;
+use crate::scene::Attenuation;
+
+/// Below this, `f32` squares lose their digits; the light counts as being at the fragment.
+const NEAREST: f64 = 1e-15;
+/// Above this, `f32` squares overflow.
+const FARTHEST: f64 = 1e18;
+/// Cosines nearer than this to the edge of a cone without a ramp are on either side of it.
+const EDGE: f64 = 1e-7;
+
+/// The unit vector along `v`.
+pub(super) fn unit(v: DVec3) -> Result<DVec3, Undef> {
+    let length = v.length();
+    match length {
+        _ if !length.is_finite() => Err(Undef::NotFinite),
+        0.0 => Err(Undef::ZeroVector),
+        _ => Ok(v / length),
+    }
+}
+
+/// A length that shaders can square; `zero` where there is none.
+pub(super) fn distance(v: DVec3, zero: Undef, near: Undef) -> Result<f64, Undef> {
+    let d = v.length();
+    match d {
+        _ if d.is_nan() => Err(Undef::NotFinite),
+        0.0 => Err(zero),
+        _ if d < NEAREST => Err(near),
+        _ if d > FARTHEST => Err(Undef::TooFar),
+        _ => Ok(d),
+    }
+}
+
+/// One minus the cosine between unit vectors.
+pub(super) fn chord(a: DVec3, b: DVec3) -> f64 {
+    (a - b).length_squared() * 0.5
+}
+
+/// `max(1 - m, 0)` to the power of `n`.
+pub(super) fn power(m: f64, n: f64) -> Result<f64, Undef> {
+    match m {
+        _ if m < 1.0 => Ok((n * (-m).ln_1p()).exp()),
+        _ if m.is_nan() || n.is_nan() => Err(Undef::NotFinite),
+        _ if n == 0.0 => Err(Undef::ZeroToZero),
+        _ if n < 0.0 => Err(Undef::ZeroToNegative),
+        _ => Ok(0.0),
+    }
+}
+
+/// The square of a vector's length minus one, for a vector of `f32`s: products of such are
+/// exact, and what their sum rounds off is put back.
+pub(super) fn squared_less_one(v: DVec3) -> f64 {
+    let (first, lost) = two_sum(v.x * v.x, -1.0);
+    let (second, more) = two_sum(first, v.y * v.y);
+    let (third, most) = two_sum(second, v.z * v.z);
+    third + (lost + more + most)
+}
+
+/// How much of a light is left at a distance.
+pub(super) fn attenuation(a: &Attenuation, window: Window, d: f64) -> Result<f64, Undef> {
+    let divisor = a.constant + d * (a.linear + a.quadratic * d);
+    if !(divisor > 0.0 && divisor.is_finite()) {
+        return Err(Undef::Attenuation);
+    }
+    let kept = match (window, a.range) {
+        (Window::None, _) | (Window::Quartic, None) => 1.0,
+        (Window::Quartic, Some(range)) => {
+            let q = d / range;
+            // 1 - q^4 by its factors, the difference first.
+            let less = ((range - d) / range * (1.0 + q) * (1.0 + q * q)).max(0.0);
+            less * less
+        }
+    };
+    Ok(kept / divisor)
+}
+
+/// One minus the cosine of the angle between two vectors of any length.
+pub(super) fn off_axis(to_light: DVec3, axis: DVec3) -> Result<f64, Undef> {
+    let m = chord(unit(to_light)?, unit(axis)?);
+    if m > 1e-3 {
+        return Ok(m);
+    }
+    // Two units differ here by little more than their rounding; the cross product of the
+    // vectors as they are does not.
+    let cross = DVec3::new(
+        difference(to_light.y, axis.z, to_light.z, axis.y),
+        difference(to_light.z, axis.x, to_light.x, axis.z),
+        difference(to_light.x, axis.y, to_light.y, axis.x),
+    );
+    let sine = cross.length_squared() / (to_light.length_squared() * axis.length_squared());
+    Ok(sine / (1.0 + (1.0 - sine).sqrt()))
+}
+
+/// Between two angles, each given as one minus its cosine.
+pub(super) fn ramp(m: f64, outer: f64, inner: f64) -> Result<f64, Undef> {
+    if outer != inner {
+        return Ok(((outer - m) / (outer - inner)).clamp(0.0, 1.0));
+    }
+    match m - outer {
+        near if near.abs() < EDGE => Err(Undef::EqualCones),
+        past => Ok(if past < 0.0 { 1.0 } else { 0.0 }),
+    }
+}
+
+/// From one angle to the axis.
+pub(super) fn ramp_to_axis(m: f64, outer: f64) -> Result<f64, Undef> {
+    match outer {
+        0.0 => Err(Undef::ZeroCone),
+        _ if m < outer => Ok(((outer - m) / outer).clamp(0.0, 1.0)),
+        _ => Ok(0.0),
+    }
+}
+
+/// `a b - c d` to within two units of its last place (Kahan).
+fn difference(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let product = c * d;
+    let lost = (-c).mul_add(d, product);
+    a.mul_add(b, -product) + lost
+}
+
+/// A sum, and what its rounding lost (Knuth).
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
+}

@@ -1,0 +1,371 @@
+//! The light a fragment gets, term by term, from the bits that were uploaded.
+//!
+//! Reads a [`Model`], an [`Upload`], a [`Fragment`] and its [`Texels`]; comparisons and culling
+//! read the numbers. Written from the formulas of lighting, not from any shader.
+
+use glam::DVec3;
+
+use super::form::{
+    attenuation, chord, distance, off_axis, power, ramp, ramp_to_axis, squared_less_one, unit,
+};
+use super::model::{
+    AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, ConeNumbers, Family, Highlight, Model,
+    Normal, Power, Reflectance, SpecularGate,
+};
+use super::undef::Undef;
+use crate::sample::Texels;
+use crate::scene::{Cone, Emission, PointLight};
+use crate::{Fragment, Upload};
+
+/// One of a scene's lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum LightId {
+    /// A directional light by its number.
+    Directional(usize),
+    /// A point light.
+    Point(usize),
+    /// A spotlight.
+    Spot(usize),
+}
+
+/// What one light adds to a fragment, each term weakened as it arrives.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Contribution {
+    /// Its own ambient term.
+    pub ambient: DVec3,
+    /// Its diffuse term.
+    pub diffuse: DVec3,
+    /// Its highlight.
+    pub specular: DVec3,
+    /// What distance leaves of it; 1 where there is none.
+    pub attenuation: f64,
+    /// What its cone leaves of it; 1 where there is none.
+    pub cone: f64,
+    /// How far from the edge of a cone without a ramp the fragment is, in cosines.
+    pub edge: Option<f64>,
+}
+
+impl Contribution {
+    /// All of it.
+    pub fn total(&self) -> DVec3 {
+        self.ambient + self.diffuse + self.specular
+    }
+}
+
+/// The light of a fragment.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Shaded {
+    /// The ambient light, or the ambient terms of all lights.
+    pub ambient: DVec3,
+    /// All diffuse terms.
+    pub diffuse: DVec3,
+    /// All highlights.
+    pub specular: DVec3,
+    /// Everything, summed light by light: directional, point, spot, each in order.
+    pub total: DVec3,
+    /// How near in cosines the fragment is to the nearest edge without a ramp: on which side
+    /// of it a shader finds it may be a matter of rounding.
+    pub edge: Option<f64>,
+}
+
+/// A fragment with everything that does not depend on a light.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    model: &'a Model,
+    upload: &'a Upload,
+    texels: Texels,
+    position: DVec3,
+    /// Of unit length.
+    normal: DVec3,
+    /// What mirroring at the normal as interpolated adds for its length: its square less one.
+    excess: f64,
+    /// Towards the camera.
+    view: DVec3,
+    /// Its mirror image at the normal.
+    mirrored: DVec3,
+    power: f64,
+    reflectance: f64,
+}
+
+/// The light of a fragment; no number where it is undefined.
+///
+/// # Errors
+/// The hazard that leaves it undefined.
+///
+/// # Panics
+/// If the fragment's material is none of the upload's.
+pub fn shade(
+    model: &Model,
+    upload: &Upload,
+    fragment: &Fragment,
+    texels: &Texels,
+) -> Result<Shaded, Undef> {
+    see(model, upload, fragment, texels)?.shade()
+}
+
+/// Prepares a fragment for asking light by light.
+///
+/// # Errors
+/// A hazard of the fragment itself: its normal or the camera.
+///
+/// # Panics
+/// If the fragment's material is none of the upload's.
+pub fn see<'a>(
+    model: &'a Model,
+    upload: &'a Upload,
+    fragment: &Fragment,
+    texels: &Texels,
+) -> Result<Seen<'a>, Undef> {
+    let material = upload.materials.get(fragment.material as usize);
+    let material = material.expect("a fragment's material is one of the upload's");
+    let position = wide(fragment.position);
+    let towards = upload.camera - position;
+    let view = towards / distance(towards, Undef::CameraAtFragment, Undef::CameraAtFragment)?;
+    let given = wide(fragment.normal);
+    let normal = unit(given)?;
+    let excess = match model.normal {
+        Normal::Unit => 0.0,
+        Normal::AsInterpolated => squared_less_one(given),
+    };
+    Ok(Seen {
+        model,
+        upload,
+        texels: *texels,
+        position,
+        normal,
+        excess,
+        view,
+        mirrored: 2.0 * normal.dot(view) * normal - view,
+        power: match model.power {
+            Power::Material => material.shininess,
+            Power::Ten => 10.0,
+        },
+        reflectance: material.reflectance,
+    })
+}
+
+impl Seen<'_> {
+    /// The light of the fragment.
+    ///
+    /// # Errors
+    /// The hazard that leaves it undefined.
+    pub fn shade(&self) -> Result<Shaded, Undef> {
+        let ambient = self.ambient();
+        let mut shaded = Shaded { ambient, total: ambient, ..Shaded::default() };
+        for light in self.lights() {
+            let light = self.light(light)?;
+            shaded.ambient += light.ambient;
+            shaded.diffuse += light.diffuse;
+            shaded.specular += light.specular;
+            shaded.total += light.total();
+            if let Some(edge) = light.edge {
+                shaded.edge = Some(shaded.edge.map_or(edge, |nearest| nearest.min(edge)));
+            }
+        }
+        if shaded.total.is_finite() { Ok(shaded) } else { Err(Undef::NotFinite) }
+    }
+
+    /// Every light, in the order of the sum.
+    pub fn lights(&self) -> impl Iterator<Item = LightId> + use<> {
+        let lights = &self.upload.lights;
+        let directional = (0..lights.directional.len()).map(LightId::Directional);
+        let point = (0..lights.point.len()).map(LightId::Point);
+        directional.chain(point).chain((0..lights.spot.len()).map(LightId::Spot))
+    }
+
+    /// What the one ambient light adds.
+    pub fn ambient(&self) -> DVec3 {
+        match (self.model.ambient, &self.upload.lights.ambient) {
+            (AmbientTerm::Once, Some(light)) => {
+                light.color * light.intensity * self.ambient_texel()
+            }
+            (AmbientTerm::Once, None) | (AmbientTerm::PerLight | AmbientTerm::None, _) => {
+                DVec3::ZERO
+            }
+        }
+    }
+
+    /// What one light adds.
+    ///
+    /// # Errors
+    /// The hazard that leaves it undefined.
+    ///
+    /// # Panics
+    /// If there is no such light.
+    pub fn light(&self, light: LightId) -> Result<Contribution, Undef> {
+        let lights = &self.upload.lights;
+        match light {
+            LightId::Directional(i) => {
+                let light = &lights.directional[i];
+                if self.unlit(&light.emission) {
+                    return Ok(Contribution::default());
+                }
+                let factors = Factors { attenuation: 1.0, cone: 1.0, edge: None };
+                self.lit(&light.emission, unit(-light.direction)?, factors, [1.0, 1.0])
+            }
+            LightId::Point(i) => {
+                let light = &lights.point[i];
+                if self.unlit(&light.emission) {
+                    return Ok(Contribution::default());
+                }
+                let (path, d) = self.path(light)?;
+                let attenuation = attenuation(&light.attenuation, self.model.window, d)?;
+                let factors = Factors { attenuation, cone: 1.0, edge: None };
+                self.lit(&light.emission, path / d, factors, [attenuation; 2])
+            }
+            LightId::Spot(i) => {
+                let light = &lights.spot[i];
+                if self.unlit(&light.lamp.emission) {
+                    return Ok(Contribution::default());
+                }
+                let (path, d) = self.path(&light.lamp)?;
+                let attenuation = match (self.model.family, self.model.caster_attenuation) {
+                    (Family::Casters, CasterAttenuation::None) => 1.0,
+                    (Family::Casters, CasterAttenuation::Direct | CasterAttenuation::All)
+                    | (Family::Multi | Family::Array | Family::ViewSpace, _) => {
+                        attenuation(&light.lamp.attenuation, self.model.window, d)?
+                    }
+                };
+                let (cone, edge) = self.cone(&light.cone, off_axis(path, -light.direction)?)?;
+                let all = attenuation * cone;
+                let weakened = match (self.model.family, self.model.caster_attenuation) {
+                    (Family::Multi | Family::Array | Family::ViewSpace, _) => [all, all],
+                    (Family::Casters, CasterAttenuation::None | CasterAttenuation::Direct) => {
+                        [1.0, all]
+                    }
+                    (Family::Casters, CasterAttenuation::All) => [attenuation, all],
+                };
+                let factors = Factors { attenuation, cone, edge };
+                self.lit(&light.lamp.emission, path / d, factors, weakened)
+            }
+        }
+    }
+
+    /// Whether a family skips a light for its intensity.
+    fn unlit(&self, emission: &Emission) -> bool {
+        match self.model.family {
+            Family::ViewSpace => emission.intensity <= 0.0,
+            Family::Multi | Family::Array | Family::Casters => false,
+        }
+    }
+
+    fn path(&self, light: &PointLight) -> Result<(DVec3, f64), Undef> {
+        let path = light.position - self.position;
+        let zero = match light.attenuation.constant {
+            0.0 => Undef::LightAtFragmentUnattenuated,
+            _ => Undef::LightAtFragment,
+        };
+        Ok((path, distance(path, zero, Undef::TooNear)?))
+    }
+
+    /// A cone at one minus the cosine from its axis, and the distance to its edge if it has
+    /// no ramp.
+    fn cone(&self, cone: &Cone, m: f64) -> Result<(f64, Option<f64>), Undef> {
+        let from_angle = |degrees: f64| 2.0 * (degrees.to_radians() * 0.5).sin().powi(2);
+        let (inner, outer) = match (self.model.cone_numbers, cone.degrees) {
+            (ConeNumbers::Angles, Some([inner, outer])) => (from_angle(inner), from_angle(outer)),
+            (ConeNumbers::Angles, None) | (ConeNumbers::Cosines, _) => {
+                (1.0 - cone.inner_cos, 1.0 - cone.outer_cos)
+            }
+        };
+        let to_axis = self.model.family == Family::ViewSpace;
+        match self.model.cone_edge {
+            ConeEdge::Hard => {
+                let edge = if to_axis { outer } else { inner };
+                Ok((if m < edge { 1.0 } else { 0.0 }, Some((m - edge).abs())))
+            }
+            ConeEdge::Soft if to_axis => Ok((ramp_to_axis(m, outer)?, None)),
+            ConeEdge::Soft => {
+                let edge = (inner == outer).then_some((m - outer).abs());
+                Ok((ramp(m, outer, inner)?, edge))
+            }
+        }
+    }
+
+    /// A light's terms: the ambient one times the first of `weakened`, the others the second.
+    fn lit(
+        &self,
+        emission: &Emission,
+        to_light: DVec3,
+        factors: Factors,
+        weakened: [f64; 2],
+    ) -> Result<Contribution, Undef> {
+        let texels = &self.texels;
+        let one = emission.color * emission.intensity;
+        let (diffuse, specular) = match self.model.family {
+            Family::Multi | Family::Casters => {
+                (emission.diffuse, emission.specular * texels.specular)
+            }
+            Family::ViewSpace => (one, one * texels.specular),
+            Family::Array => match self.model.array_specular {
+                ArraySpecular::Fixed => (one, one * texels.specular),
+                ArraySpecular::AsPublished => {
+                    (one, emission.color * texels.specular.x * texels.diffuse)
+                }
+            },
+        };
+        let ambient = match self.model.ambient {
+            AmbientTerm::PerLight => emission.ambient * self.ambient_texel(),
+            AmbientTerm::Once | AmbientTerm::None => DVec3::ZERO,
+        };
+        let facing = self.normal.dot(to_light).max(0.0);
+        let dark = self.model.cone_edge == ConeEdge::Hard && factors.cone == 0.0;
+        let highlight = if dark { 0.0 } else { self.highlight(to_light, facing)? };
+        Ok(Contribution {
+            ambient: ambient * weakened[0],
+            diffuse: diffuse * texels.diffuse * (facing * weakened[1]),
+            specular: specular * (highlight * weakened[1]),
+            attenuation: factors.attenuation,
+            cone: factors.cone,
+            edge: factors.edge,
+        })
+    }
+
+    fn ambient_texel(&self) -> DVec3 {
+        match self.model.family {
+            Family::ViewSpace => self.texels.ambient,
+            Family::Multi | Family::Array | Family::Casters => self.texels.diffuse,
+        }
+    }
+
+    fn highlight(&self, to_light: DVec3, facing: f64) -> Result<f64, Undef> {
+        let gated = match self.model.specular_gate {
+            SpecularGate::Facing => facing <= 0.0,
+            SpecularGate::None => false,
+        };
+        let factor = match self.model.reflectance {
+            Reflectance::Ignored => 1.0,
+            Reflectance::Gate if self.reflectance > 0.0 => 1.0,
+            Reflectance::Gate => 0.0,
+            Reflectance::Factor => self.reflectance,
+        };
+        if gated || factor == 0.0 {
+            return Ok(0.0);
+        }
+        let value = match self.model.highlight {
+            Highlight::Phong => {
+                // V.(2 (n.L) n - L) for n of any length, less 1.
+                let both = self.normal.dot(to_light) * self.normal.dot(self.view);
+                power(chord(to_light, self.mirrored) - 2.0 * self.excess * both, self.power)?
+            }
+            Highlight::Blinn => {
+                let half = unit(to_light + self.view).map_err(|_| Undef::NoHalfVector)?;
+                let unit = power(chord(self.normal, half), self.power)?;
+                // The normal's length to the same power.
+                unit * (self.power * 0.5 * self.excess.ln_1p()).exp()
+            }
+        };
+        Ok(value * factor)
+    }
+}
+
+/// What weakens a light.
+struct Factors {
+    attenuation: f64,
+    cone: f64,
+    edge: Option<f64>,
+}
+
+fn wide(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}

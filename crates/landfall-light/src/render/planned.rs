@@ -1,0 +1,268 @@
+//! A scene lit by a plan that skips: a draw for each set of lights, or all of them in one for a
+//! shader that finds its lights in lists, and what far lights give between the nodes of grids.
+
+use glam::Vec3;
+
+use super::{Draw, Prepared, RenderError, Rendered, Renderer, Work};
+use crate::Fragment;
+use crate::bind::{Kind, Lit, Quantity, Tiles};
+use crate::compiled::Model;
+use crate::skip;
+use crate::skip::{LightSet, Measured, Options, Plan, interpolate};
+use landfall_exec::backend::Reader;
+
+/// Fragments of one material that are lit by the same lights, made ready to be lit often.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lot {
+    /// Their numbers in the frame.
+    pub fragments: Vec<u32>,
+    /// What is bound for them.
+    pub prepared: Prepared,
+    /// Slots of each kind that hold something for some of them.
+    pub slots: [(Kind, u64); 3],
+    /// Slots that each is looked up in: lists of tiles leave some out.
+    pub walked: u64,
+}
+
+impl Lot {
+    /// Every so many of its fragments, from one on.
+    pub fn every(&self, first: usize, stride: usize) -> Lot {
+        let fragments: Vec<u32> =
+            self.fragments.iter().copied().skip(first).step_by(stride.max(1)).collect();
+        let some = |values: &Vec<[f32; 4]>| {
+            values.iter().copied().skip(first).step_by(stride.max(1)).collect()
+        };
+        let inputs = self.prepared.inputs.iter().map(some).collect();
+        let count = fragments.len();
+        let prepared = Prepared { inputs, count, ..self.prepared.clone() };
+        Lot { fragments, prepared, ..self.clone() }
+    }
+}
+
+impl Renderer {
+    /// The fragments of a draw, those of one material together.
+    ///
+    /// # Errors
+    /// More lights than slots.
+    pub fn lots(&self, work: &Work<'_>, draw: &Draw<'_>) -> Result<Vec<Lot>, RenderError> {
+        let all = &work.frame.fragments;
+        let mut numbers = draw.fragments.to_vec();
+        // Stable: the caller's order stays within a material.
+        numbers.sort_by_key(|number| all[*number as usize].material);
+        let slots = Kind::ALL.map(|kind| (kind, self.walked(kind, &draw.lights)));
+        let same = |a: &u32, b: &u32| all[*a as usize].material == all[*b as usize].material;
+        let each = numbers.chunk_by(same).map(|fragments| {
+            let found: Vec<&Fragment> = fragments.iter().map(|n| &all[*n as usize]).collect();
+            let prepared = self.prepare(work, &found, draw)?;
+            let walked = slots.iter().map(|(_, slots)| slots).sum();
+            Ok(Lot { fragments: fragments.to_vec(), prepared, slots, walked })
+        });
+        each.collect()
+    }
+
+    /// The fragments of all draws of a plan; its grids are not in them.
+    ///
+    /// # Errors
+    /// More lights than slots.
+    pub fn lots_of_plan(&self, work: &Work<'_>, plan: &Plan) -> Result<Vec<Lot>, RenderError> {
+        if let (true, Some(lists)) = (self.asks_for_tiles(), &plan.tiles) {
+            let mut lots = self.listed(work, plan, lists, |draw| self.lots(work, draw))?;
+            let mut listed = vec![0u64; work.frame.fragments.len()];
+            for draw in &plan.draws {
+                let len = draw.lights.point.len() as u64;
+                draw.fragments.iter().for_each(|number| listed[*number as usize] = len);
+            }
+            for lot in &mut lots {
+                let listed: u64 = lot.fragments.iter().map(|number| listed[*number as usize]).sum();
+                let others = lot.slots.iter().filter(|(kind, _)| *kind != Kind::Point);
+                let others: u64 = others.map(|(_, slots)| slots).sum();
+                lot.walked = others + listed.div_ceil(lot.fragments.len().max(1) as u64);
+            }
+            return Ok(lots);
+        }
+        let draws = plan.draws.iter().map(|draw| Draw {
+            fragments: &draw.fragments,
+            lights: lit(&draw.lights),
+            tiles: None,
+        });
+        let mut lots = Vec::new();
+        for draw in draws {
+            lots.extend(self.lots(work, &draw)?);
+        }
+        Ok(lots)
+    }
+
+    /// Makes a plan for this shader: a loop that nothing counts goes over every slot.
+    pub fn plan(&self, work: &Work<'_>, model: &Model, options: &Options) -> Plan {
+        let mut options = options.clone();
+        for (slots, kind) in options.slots.iter_mut().zip(Kind::ALL) {
+            let fixed = self.slots(kind);
+            if slots.is_none() && !self.counts(kind) && fixed != usize::MAX {
+                *slots = u32::try_from(fixed).ok();
+            }
+        }
+        skip::plan(work.upload, work.frame, model, &options)
+    }
+
+    /// Whether the shader finds its point lights in lists of tiles.
+    pub fn asks_for_tiles(&self) -> bool {
+        let asks = |quantity| matches!(quantity, Some(Quantity::Tiles(_)));
+        self.map.members.iter().any(|member| asks(member.source.quantity()))
+    }
+
+    /// Makes the picture by a plan. `after` is told, after each job, how many fragments or
+    /// nodes are done.
+    ///
+    /// # Errors
+    /// More lights than slots, or what the reader says.
+    pub fn render_plan<R: Reader + ?Sized>(
+        &self,
+        reader: &mut R,
+        work: &Work<'_>,
+        plan: &Plan,
+        after: &mut dyn FnMut(&mut R, usize),
+    ) -> Result<Rendered, RenderError> {
+        if let (true, Some(lists)) = (self.asks_for_tiles(), &plan.tiles) {
+            return self.render_lists(reader, work, plan, lists, after);
+        }
+        let draws = plan.draws.iter().map(|draw| Draw {
+            fragments: &draw.fragments,
+            lights: lit(&draw.lights),
+            tiles: None,
+        });
+        let draws: Vec<Draw<'_>> = draws.collect();
+        let mut rendered = self.render(reader, work, &draws, after)?;
+        if !plan.grids.is_empty() {
+            self.add_grids(reader, work, plan, &mut rendered, after)?;
+        }
+        Ok(rendered)
+    }
+
+    /// Holds a picture made by a plan against the shader's own light of all lights, at about as
+    /// many of its fragments as told.
+    ///
+    /// # Errors
+    /// More lights than slots, or what the reader says.
+    pub fn check<R: Reader + ?Sized>(
+        &self,
+        reader: &mut R,
+        work: &Work<'_>,
+        rendered: &Rendered,
+        fragments: usize,
+    ) -> Result<Measured, RenderError> {
+        let lights = &work.upload.lights;
+        let every = (work.frame.fragments.len() / fragments.max(1)).max(1);
+        let numbers = |count: usize| (0..count as u32).collect::<Vec<u32>>();
+        let some = numbers(work.frame.fragments.len()).into_iter().step_by(every);
+        let some: Vec<u32> = some.collect();
+        let [directional, point, spot] =
+            [lights.directional.len(), lights.point.len(), lights.spot.len()].map(numbers);
+        let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let draw = Draw { fragments: &some, lights, tiles: None };
+        let all = self.render(reader, work, &[draw], &mut |_: &mut R, _| {})?;
+        let of = |rendered: &Rendered| -> Vec<Vec3> {
+            let pixels = some.iter().map(|n| work.frame.fragments[*n as usize].pixel as usize);
+            let color = |[r, g, b, _]: [f32; 4]| Vec3::new(r, g, b);
+            pixels.map(|at| color(rendered.picture.pixels[at])).collect()
+        };
+        let measured = skip::compare(&of(rendered), &of(&all));
+        Ok(Measured { every: every as u64, ..measured })
+    }
+
+    /// All fragments in one draw, whose shader reads the lists.
+    fn render_lists<R: Reader + ?Sized>(
+        &self,
+        reader: &mut R,
+        work: &Work<'_>,
+        plan: &Plan,
+        lists: &skip::TileLists,
+        after: &mut dyn FnMut(&mut R, usize),
+    ) -> Result<Rendered, RenderError> {
+        let (mut rendered, others) = self.listed(work, plan, lists, |draw| {
+            let rendered = self.render(reader, work, std::slice::from_ref(draw), after)?;
+            // Of the other kinds, which have no lists, every one.
+            let others = Lit { point: &[], ..draw.lights };
+            Ok((rendered, self.evaluated(&others)))
+        })?;
+        let point: u64 = plan
+            .draws
+            .iter()
+            .map(|draw| draw.fragments.len() as u64 * draw.lights.point.len() as u64)
+            .sum();
+        rendered.evaluations = point + rendered.fragments * others;
+        Ok(rendered)
+    }
+
+    /// Does something with the one draw of a plan whose shader reads the lists.
+    fn listed<T>(
+        &self,
+        work: &Work<'_>,
+        plan: &Plan,
+        lists: &skip::TileLists,
+        with: impl FnOnce(&Draw<'_>) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let lights = &work.upload.lights;
+        // Every point light, as the lists hold the numbers of the upload.
+        let point: Vec<u32> = (0..lights.point.len() as u32).collect();
+        let [directional, spot] =
+            [union(plan, |set| &set.directional), union(plan, |set| &set.spot)];
+        let ambient = plan.draws.iter().any(|draw| draw.lights.ambient);
+        let all: Vec<u32> = (0..work.frame.fragments.len() as u32).collect();
+        let lights = Lit { ambient, directional: &directional, point: &point, spot: &spot };
+        let tiles = Tiles {
+            size: lists.size,
+            columns: lists.columns,
+            tiles: &lists.tiles,
+            indices: &lists.indices,
+        };
+        with(&Draw { fragments: &all, lights, tiles: Some(tiles) })
+    }
+
+    fn add_grids<R: Reader + ?Sized>(
+        &self,
+        reader: &mut R,
+        work: &Work<'_>,
+        plan: &Plan,
+        rendered: &mut Rendered,
+        after: &mut dyn FnMut(&mut R, usize),
+    ) -> Result<(), RenderError> {
+        let mut colors = Vec::with_capacity(plan.grids.len());
+        for grid in &plan.grids {
+            let nodes: Vec<&Fragment> = grid.nodes.iter().collect();
+            let draw = Draw { fragments: &[], lights: lit(&grid.lights), tiles: None };
+            let (shaded, bytes) = self.light(reader, work, &nodes, &draw, after)?;
+            rendered.uploaded += bytes;
+            rendered.evaluations += nodes.len() as u64 * self.evaluated(&draw.lights);
+            colors.push(shaded.colors.iter().map(|[r, g, b, _]| Vec3::new(*r, *g, *b)).collect());
+        }
+        let fragments = &work.frame.fragments;
+        let position = |n: u32| fragments.get(n as usize).map(|f| Vec3::from(f.position));
+        let mut far = vec![Vec3::ZERO; fragments.len()];
+        interpolate(plan, &colors, position, &mut far);
+        for (fragment, far) in fragments.iter().zip(far) {
+            if let Some(pixel) = rendered.picture.pixels.get_mut(fragment.pixel as usize) {
+                let near = Vec3::new(pixel[0], pixel[1], pixel[2]);
+                *pixel = (near + far).extend(pixel[3]).to_array();
+            }
+        }
+        Ok(())
+    }
+}
+
+fn lit(lights: &LightSet) -> Lit<'_> {
+    Lit {
+        ambient: lights.ambient,
+        directional: &lights.directional,
+        point: &lights.point,
+        spot: &lights.spot,
+    }
+}
+
+/// The lights of a kind that some draw has.
+fn union(plan: &Plan, of: impl Fn(&LightSet) -> &Vec<u32>) -> Vec<u32> {
+    let mut all: Vec<u32> =
+        plan.draws.iter().flat_map(|draw| of(&draw.lights).iter().copied()).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}

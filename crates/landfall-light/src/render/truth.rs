@@ -1,0 +1,164 @@
+//! The picture by the reference, and which of its pixels are no number or a matter of rounding.
+
+use std::collections::BTreeMap;
+use std::thread;
+
+use glam::DVec3;
+
+use super::background;
+use crate::bind::{BindingMap, Kind, LightPart, MaterialPart, Quantity};
+use crate::picture::Picture;
+use crate::reference::{
+    AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, Family, Model, Normal, Reflectance,
+    SpecularGate, Undef, Window, shade,
+};
+use crate::{Fragment, Frame, Upload, sample};
+
+/// A picture by the reference.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Truth {
+    /// The picture; black where a pixel is undefined.
+    pub picture: Picture,
+    /// Pixels that are not to be compared.
+    pub leave_out: Vec<bool>,
+    /// Fragments without a value, by the hazard that leaves them so.
+    pub undefined: BTreeMap<Undef, u64>,
+    /// Fragments so near to an edge without a ramp that rounding decides their side.
+    pub at_edges: u64,
+}
+
+/// How near to an edge, in cosines, `f32` may find a fragment on the other side: the cosine is of
+/// two vectors, each off by two units in the last place.
+const EDGE: f64 = 1e-6;
+
+/// Lights every fragment by the reference.
+pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Truth {
+    let Frame { width, height, fragments } = frame;
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let share = fragments.len().div_ceil(threads).max(1);
+    let one = |fragment: &Fragment| pixel(model, upload, fragment);
+    let lit: Vec<Vec<Pixel>> = thread::scope(|scope| {
+        let one = &one;
+        let parts = fragments.chunks(share);
+        let running: Vec<_> = parts
+            .map(|part| scope.spawn(move || part.iter().map(one).collect::<Vec<_>>()))
+            .collect();
+        let done = running.into_iter().map(thread::ScopedJoinHandle::join);
+        done.map(|part| part.expect("the reference does not panic")).collect()
+    });
+    let picture = Picture::filled(*width, *height, background(behind));
+    let leave_out = vec![false; picture.pixels.len()];
+    let mut truth = Truth { picture, leave_out, ..Truth::default() };
+    for (fragment, (color, at_edge)) in fragments.iter().zip(lit.into_iter().flatten()) {
+        let pixel = fragment.pixel as usize;
+        let color = color.unwrap_or_else(|undef| {
+            *truth.undefined.entry(undef).or_default() += 1;
+            truth.leave_out[pixel] = true;
+            DVec3::ZERO
+        });
+        if at_edge {
+            truth.at_edges += 1;
+            truth.leave_out[pixel] = true;
+        }
+        truth.picture.pixels[pixel] = background(color);
+    }
+    truth
+}
+
+/// A fragment's light, and whether it is at an edge.
+type Pixel = (Result<DVec3, Undef>, bool);
+
+fn pixel(model: &Model, upload: &Upload, fragment: &Fragment) -> Pixel {
+    let texels = sample::texels(&upload.materials[fragment.material as usize], fragment.uv);
+    match shade(model, upload, fragment, &texels) {
+        Ok(shaded) => (Ok(shaded.total), shaded.edge.is_some_and(|edge| edge.abs() < EDGE)),
+        Err(undef) => (Err(undef), false),
+    }
+}
+
+/// Fragments that are enough to tell models apart.
+const ENOUGH: usize = 4096;
+
+/// Of a family's models the one that is nearest to a picture: where shaders of a family differ,
+/// no name tells.
+pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture) -> Model {
+    let step = frame.fragments.len().div_ceil(ENOUGH).max(1);
+    let distance = |model: &Model| -> f64 {
+        let each = frame.fragments.iter().step_by(step).map(|fragment| {
+            let Some(seen) = picture.pixels.get(fragment.pixel as usize) else { return 0.0 };
+            let [r, g, b, _] = seen.map(f64::from);
+            match pixel(model, upload, fragment) {
+                (Ok(color), false) if (r + g + b).is_finite() => {
+                    (color - DVec3::new(r, g, b)).abs().element_sum()
+                }
+                _ => 0.0,
+            }
+        });
+        each.sum()
+    };
+    let mut all: Vec<(f64, Model)> = kin(model).into_iter().map(|m| (distance(&m), m)).collect();
+    // Stable: of models that are as near, the first.
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.first().map_or(*model, |(_, model)| *model)
+}
+
+/// A model and those of its family that differ from it as published shaders do.
+fn kin(model: &Model) -> Vec<Model> {
+    let mut all = vec![*model];
+    let mut also = |change: &dyn Fn(&mut Model)| {
+        let changed = all.iter().map(|known| {
+            let mut changed = *known;
+            change(&mut changed);
+            changed
+        });
+        let changed: Vec<Model> = changed.collect();
+        all.extend(changed);
+    };
+    also(&|m| m.specular_gate = SpecularGate::Facing);
+    // A member for the range does not say that light sinks to nothing there.
+    if model.window == Window::Quartic {
+        also(&|m| m.window = Window::None);
+    }
+    match model.family {
+        Family::Multi => {}
+        Family::Array => also(&|m| {
+            m.array_specular = ArraySpecular::AsPublished;
+            m.normal = Normal::AsInterpolated;
+        }),
+        Family::ViewSpace => also(&|m| m.reflectance = Reflectance::Factor),
+        Family::Casters => {
+            also(&|m| m.caster_attenuation = CasterAttenuation::None);
+            also(&|m| m.cone_edge = ConeEdge::Hard);
+        }
+    }
+    all
+}
+
+/// The family of models that a shader with these members is likely to compute. Members alone say
+/// neither how a range ends the light nor what gates a highlight: [`nearest`] asks a picture.
+pub fn likely(map: &BindingMap) -> Model {
+    let has = |wanted: &dyn Fn(Quantity) -> bool| {
+        map.members.iter().any(|member| member.source.quantity().is_some_and(wanted))
+    };
+    let part =
+        |wanted: LightPart| has(&|q| matches!(q, Quantity::Light { part, .. } if part == wanted));
+    let kinds = Kind::ALL.into_iter().filter(|kind| map.has(*kind)).count();
+    let each = has(&|q| matches!(q, Quantity::Light { .. }) && q.is_each());
+    let family = if has(&|q| q == Quantity::Material(MaterialPart::Reflectance)) {
+        Family::ViewSpace
+    } else if !part(LightPart::Diffuse) {
+        Family::Array
+    } else if kinds == 1 && !each {
+        Family::Casters
+    } else {
+        Family::Multi
+    };
+    let mut model = Model::of(family);
+    if part(LightPart::Range) {
+        model.window = Window::Quartic;
+    }
+    if family == Family::Array && !has(&|q| matches!(q, Quantity::Ambient(_))) {
+        model.ambient = AmbientTerm::None;
+    }
+    model
+}

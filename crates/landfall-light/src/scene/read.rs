@@ -1,0 +1,375 @@
+//! Scenes from JSON: every value checked, everything wrong told at once, each with its place.
+//!
+//! [`landfall_layout::text::json`] gives values with the bytes they take, `walk` goes through them and
+//! keeps what is wrong; one file each reads lights, materials, objects and what is generated.
+
+mod generate;
+mod lights;
+mod materials;
+mod objects;
+mod walk;
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+use serde_json::{Map, Value};
+
+use super::{Camera, Lights, Scene, Space};
+use landfall_layout::diagnostic::Diagnostic;
+use landfall_layout::error::Error;
+use landfall_layout::file::reason;
+use landfall_layout::source::{Files, Span, decode};
+use landfall_layout::text::json;
+pub use landfall_layout::text::json::Fault;
+use walk::{At, Object, Walk};
+
+/// Most pixels of a picture.
+pub const MOST_PIXELS: u64 = 1 << 24;
+
+/// Largest coordinate or length: the square of what is larger has no `f32`.
+pub(super) const LARGEST: f64 = 1e18;
+
+/// Most bytes of a file that a scene names.
+const MOST_BYTES: u64 = 1 << 28;
+
+/// How the files that a scene names are had: the name as it is written, the bytes.
+pub type Open<'a> = dyn Fn(&str) -> Result<Vec<u8>, Error> + 'a;
+
+/// What was read of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Reading {
+    /// The scene, unless something is wrong with it.
+    pub scene: Option<Scene>,
+    /// The scene's own text, then the meshes it names.
+    pub files: Files,
+    /// What is wrong, and what is doubtful.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Reading {
+    /// The bytes of a value, by its path as messages spell it: `bind.count`, `lights.point[3]`.
+    /// For findings about members that only a renderer understands.
+    pub fn place(&self, path: &str) -> Option<Span> {
+        let text = &self.files.get(0)?.text;
+        let found = landfall_layout::text::locate::locate(text, path)?.value;
+        Some(Span { file: 0, start: found.start as u32, end: found.end as u32 })
+    }
+}
+
+/// Reads a scene from a file; the files it names are looked for beside it.
+///
+/// # Errors
+/// The file cannot be read or is not UTF-8. What is wrong inside it is among the diagnostics.
+pub fn read_file(path: impl AsRef<Path>) -> Result<Reading, Error> {
+    let path = path.as_ref();
+    let shown = path.display().to_string();
+    let text = decode(&shown, bytes(path)?)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Ok(read(&shown, &text, &|name| bytes(&folder.join(name))))
+}
+
+/// Reads a scene from its text. What it names is had from `open`.
+pub fn read(path: &str, text: &str, open: &Open<'_>) -> Reading {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut walk = Walk::default();
+    if u32::try_from(text.len()).is_err() {
+        let error = Error::new(path, "is over 4 GiB long, which no scene is");
+        return Reading { diagnostics: vec![error.into()], ..Reading::default() };
+    }
+    walk.files.add(path, Arc::from(text));
+    let scene = match json::parse(text) {
+        Ok(root) => scene(&mut walk, At::root(&root), text, path, open),
+        Err(fault) => {
+            walk.push(no_json(text, &fault));
+            None
+        }
+    };
+    let Walk { files, diagnostics, wrong } = walk;
+    Reading { scene: scene.filter(|_| !wrong), files, diagnostics }
+}
+
+const MEMBERS: &[&str] = &[
+    "$schema",
+    "name",
+    "description",
+    "size",
+    "background",
+    "space",
+    "camera",
+    "lights",
+    "materials",
+    "objects",
+    "generate",
+    "shader",
+    "model",
+    "bind",
+];
+
+fn scene(walk: &mut Walk, at: At<'_>, text: &str, path: &str, open: &Open<'_>) -> Option<Scene> {
+    let root = walk.object(&at, MEMBERS)?;
+    for key in ["$schema", "description"] {
+        root.get(key).and_then(|at| walk.text(&at).map(drop));
+    }
+    let name = match root.get("name") {
+        Some(at) => walk.text(&at).map(str::to_string),
+        None => Some(stem(path)),
+    };
+    let size = walk.needed(&root, "size").and_then(|at| size(walk, &at));
+    let background = match root.get("background") {
+        Some(at) => walk.color(&at),
+        None => Some(DVec3::ZERO),
+    };
+    let space = match root.get("space") {
+        Some(at) => space(walk, &at),
+        None => Some(Space::World),
+    };
+    let camera = walk.needed(&root, "camera").and_then(|at| camera(walk, &at));
+    let mut lights = match root.get("lights") {
+        Some(at) => lights::read(walk, &at),
+        None => Some(Lights::default()),
+    };
+    let materials = materials::read(walk, &root, open);
+    let mut objects = objects::read(walk, &root, materials.as_deref(), path, open);
+    if let Some(at) = root.get("generate") {
+        let made = generate::read(walk, &at, materials.as_deref());
+        if let (Some((lamps, strewn)), Some(lights), Some(objects)) =
+            (made, &mut lights, &mut objects)
+        {
+            lights.point.extend(lamps);
+            objects.extend(strewn);
+        }
+    }
+    let shader = raw(walk, &root, "shader", text, &["a path", "an object"]);
+    let model = raw(walk, &root, "model", text, &["a name", "an object"]);
+    let bind = raw(walk, &root, "bind", text, &["an object"]);
+    let bind: Option<Map<String, Value>> = match bind {
+        Some(Value::Object(map)) => Some(map),
+        _ => None,
+    };
+    Some(Scene {
+        name: name?,
+        size: size?,
+        background: background?,
+        camera: camera?,
+        lights: lights?,
+        materials: materials?,
+        objects: objects?,
+        space: space?,
+        shader,
+        model,
+        bind,
+    })
+}
+
+fn size(walk: &mut Walk, at: &At<'_>) -> Option<[u32; 2]> {
+    let [width, height] = walk.items(at)?;
+    let most = 1 << 15;
+    let (width, height) = (walk.whole(&width, 1..=most), walk.whole(&height, 1..=most));
+    let size = [width?, height?];
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    if pixels > MOST_PIXELS {
+        let what = format!("is {pixels} pixels, of which a picture has {MOST_PIXELS} at most");
+        walk.error("too-large", at, what);
+        return None;
+    }
+    Some(size)
+}
+
+fn space(walk: &mut Walk, at: &At<'_>) -> Option<Space> {
+    let spaces = [
+        ("world", Space::World),
+        ("view", Space::View),
+        ("camera-relative", Space::CameraRelative),
+    ];
+    walk.one_of(at, &spaces)
+}
+
+fn camera(walk: &mut Walk, at: &At<'_>) -> Option<Camera> {
+    let known = &["position", "front", "target", "up", "fov", "near", "far"];
+    let object = walk.object(at, known)?;
+    let position = walk.needed(&object, "position").and_then(|at| walk.vector(&at));
+    let front = front(walk, &object, position);
+    let up = match object.get("up") {
+        Some(at) => walk.direction(&at),
+        None => Some(DVec3::Y),
+    };
+    if let (Some(front), Some(up)) = (front, up) {
+        across(walk, &object, front, up);
+    }
+    let fov = walk.needed(&object, "fov").and_then(|at| fov(walk, &at));
+    let near = plane(walk, &object, "near", 0.1);
+    let far = plane(walk, &object, "far", 100.0);
+    if let (Some(near), Some(far)) = (near, far) {
+        in_order(walk, &object, near, far);
+    }
+    Some(Camera { position: position?, front: front?, up: up?, fov: fov?, near: near?, far: far? })
+}
+
+/// Below a millionth of a radian the cross product has lost half of its digits.
+fn across(walk: &mut Walk, object: &Object<'_>, front: DVec3, up: DVec3) {
+    if front.cross(up).length() >= 1e-6 {
+        return;
+    }
+    let at = object.get("up").or_else(|| object.get("front")).or_else(|| object.get("target"));
+    let what = "is along the direction of the camera: nothing says what is up";
+    walk.error("up-along-front", &at.unwrap_or(object.at.clone()), what).help = Some(
+        "give an `up` across the direction, such as `[0, 0, -1]` when looking down".to_string(),
+    );
+}
+
+fn in_order(walk: &mut Walk, object: &Object<'_>, near: f64, far: f64) {
+    if near < far {
+        return;
+    }
+    let (near_at, far_at) = (object.get("near"), object.get("far"));
+    let help = if near_at.is_some() && far_at.is_some() {
+        format!("swap them: `\"near\": {far}, \"far\": {near}`")
+    } else {
+        "give both `near` and `far`, the near plane in front of the far one".to_string()
+    };
+    let at = far_at.or(near_at).unwrap_or(object.at.clone());
+    let what = format!("leaves nothing to see: the near plane is at {near}, the far one at {far}");
+    walk.error("bad-planes", &at, what).help = Some(help);
+}
+
+fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Option<DVec3> {
+    match (object.get("front"), object.get("target")) {
+        (Some(_), Some(target)) => {
+            walk.error(
+                "given-twice",
+                &target,
+                "says again what `front` says: where the camera looks",
+            )
+            .help = Some("keep one of `front` and `target`".to_string());
+            None
+        }
+        (Some(front), None) => walk.direction(&front),
+        (None, Some(at)) => {
+            let target = walk.vector(&at)?;
+            let front = walk::unit(target - position?);
+            if front.is_none() {
+                walk.error(
+                    "zero-direction",
+                    &at,
+                    "is where the camera is: it has no direction to look in",
+                );
+            }
+            front
+        }
+        (None, None) => {
+            walk.error("missing-member", &object.at, "does not say where the camera looks").help =
+                Some("give `front`, a direction, or `target`, a place".to_string());
+            None
+        }
+    }
+}
+
+fn fov(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
+    let fov = walk.number(at)?;
+    if fov <= 0.0 || fov >= 180.0 {
+        let what = format!("is {fov} degrees: a field of view lies between 0 and 180");
+        walk.error("value-out-of-range", at, what);
+        return None;
+    }
+    if fov <= std::f64::consts::FRAC_PI_2 {
+        let degrees = walk::tidy(fov.to_degrees());
+        walk.warning("suspicious-unit", at, format!("is {fov} degrees, a very narrow view")).help =
+            Some(format!("if that is in radians, write {degrees}"));
+    }
+    Some(fov)
+}
+
+fn plane(walk: &mut Walk, object: &Object<'_>, key: &str, default: f64) -> Option<f64> {
+    let Some(at) = object.get(key) else { return Some(default) };
+    walk.positive(&at)
+}
+
+/// A member that is kept as it is.
+fn raw(
+    walk: &mut Walk,
+    root: &Object<'_>,
+    key: &str,
+    text: &str,
+    wanted: &[&str],
+) -> Option<Value> {
+    let at = root.get(key)?;
+    let fits = match at.node.value {
+        json::Value::Text(_) => wanted.len() > 1,
+        json::Value::Object(_) => true,
+        _ => false,
+    };
+    if !fits {
+        walk.kind(&at, &wanted.join(" or "));
+        return None;
+    }
+    match serde_json::from_str(&text[at.node.start..at.node.end]) {
+        Ok(value) => Some(value),
+        Err(_) => {
+            walk.error("wrong-value", &at, "nests too deep");
+            None
+        }
+    }
+}
+
+fn stem(path: &str) -> String {
+    Path::new(path).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into())
+}
+
+/// The bytes of a file, if it is not enormous.
+fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    let shown = path.display().to_string();
+    let cannot =
+        |cause| Error::new(&shown, format!("cannot be read: {}", reason(&cause))).unreadable();
+    let file = File::open(path).map_err(cannot)?;
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        let message = format!("is over {} MiB long, which no part of a scene is", MOST_BYTES >> 20);
+        return Err(Error::new(&shown, message).unreadable());
+    }
+    Ok(bytes)
+}
+
+/// What is no JSON, at its place.
+fn no_json(text: &str, fault: &Fault) -> Diagnostic {
+    let span = |start: usize, len: usize| {
+        let start = start.min(text.len());
+        let mut end = (start + len).min(text.len());
+        while !text.is_char_boundary(end) {
+            end += 1;
+        }
+        Span { file: 0, start: start as u32, end: end as u32 }
+    };
+    match fault {
+        Fault::Truncated => {
+            let message = "the text ends before the scene is complete";
+            Diagnostic::error("json-syntax", span(text.trim_end().len(), 1), message)
+        }
+        Fault::Twice { at, key } => {
+            let message = format!("`{}` stands twice in one object", walk::short(key));
+            Diagnostic::error("given-twice", span(*at, key.len() + 2), message)
+        }
+        Fault::Deep { at } => {
+            let message = "nests deeper than any scene";
+            Diagnostic::error("json-syntax", span(*at, 1), message)
+        }
+        Fault::Expected { at, wanted } => {
+            let rest = &text[*at..];
+            let is_part = |c: char| c.is_ascii_alphanumeric() || "+-.".contains(c);
+            let word = &rest[..rest.find(|c| !is_part(c)).unwrap_or(rest.len())];
+            let at = span(*at, word.len().max(1));
+            match word.parse::<f64>() {
+                Ok(number) if !number.is_finite() => {
+                    let message = format!("`{}` is not finite", walk::short(word));
+                    Diagnostic::error("not-finite", at, message).with_note(
+                        "JSON has neither NaN nor infinity, and nothing can be lit with them",
+                    )
+                }
+                _ => Diagnostic::error("json-syntax", at, format!("here should be {wanted}")),
+            }
+        }
+    }
+}

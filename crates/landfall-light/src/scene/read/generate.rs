@@ -1,0 +1,112 @@
+//! What a scene strews by seed: how many lamps and cubes, and where.
+
+use super::lights::by_distance;
+use super::objects::material;
+use super::walk::{At, Object as Members, Walk};
+use crate::scene::{
+    Attenuation, Generate, Material, Object, PointLight, RandomCubes, RandomLights, generate,
+};
+
+/// Most lamps, and most cubes.
+const MOST: u32 = 1 << 16;
+
+pub(super) fn read(
+    walk: &mut Walk,
+    at: &At<'_>,
+    materials: Option<&[Material]>,
+) -> Option<(Vec<PointLight>, Vec<Object>)> {
+    let object = walk.object(at, &["seed", "area", "lights", "cubes", "floor"])?;
+    let seed = walk.needed(&object, "seed").and_then(|at| walk.whole(&at, 0..=u32::MAX));
+    let area = walk.needed(&object, "area").and_then(|at| positive(walk, &at));
+    let lights = match object.get("lights") {
+        Some(at) => lights(walk, &at).map(Some),
+        None => Some(None),
+    };
+    let cubes = match object.get("cubes") {
+        Some(at) => cubes(walk, &at, materials).map(Some),
+        None => Some(None),
+    };
+    let floor = match object.get("floor") {
+        Some(at) => {
+            let floor = walk.object(&at, &["material"]);
+            floor.and_then(|floor| material(walk, &floor, materials)).map(Some)
+        }
+        None => Some(None),
+    };
+    let from = Generate {
+        seed: u64::from(seed?),
+        area: area?,
+        lights: lights?,
+        cubes: cubes?,
+        floor: floor?,
+    };
+    Some(generate(&from))
+}
+
+fn lights(walk: &mut Walk, at: &At<'_>) -> Option<RandomLights> {
+    let object = walk.object(at, &["count", "height", "distances", "gain", "window"])?;
+    let count = count(walk, &object);
+    let height = walk.needed(&object, "height").and_then(|at| positive(walk, &at));
+    let height = height.and_then(|height| ordered(walk, &object, "height", height));
+    let rows = walk.needed(&object, "distances").and_then(|at| rows(walk, &at));
+    let gain = match object.get("gain") {
+        Some(at) => walk.positive(&at),
+        None => Some(1.0),
+    };
+    let window = match object.get("window") {
+        Some(at) => walk.positive(&at).map(Some),
+        None => Some(None),
+    };
+    Some(RandomLights {
+        count: count?,
+        height: height?,
+        attenuations: rows?,
+        gain: gain?,
+        window: window?,
+    })
+}
+
+fn rows(walk: &mut Walk, at: &At<'_>) -> Option<Vec<Attenuation>> {
+    let items = walk.list(at)?;
+    if items.is_empty() {
+        walk.error("wrong-count", at, "names no row of the table of attenuations");
+        return None;
+    }
+    let rows: Vec<Option<Attenuation>> = items.iter().map(|at| by_distance(walk, at)).collect();
+    rows.into_iter().collect()
+}
+
+fn cubes(walk: &mut Walk, at: &At<'_>, materials: Option<&[Material]>) -> Option<RandomCubes> {
+    let object = walk.object(at, &["count", "edge", "material"])?;
+    let count = count(walk, &object);
+    let edge = walk.needed(&object, "edge").and_then(|at| positive(walk, &at));
+    let edge = edge.and_then(|edge| ordered(walk, &object, "edge", edge));
+    let material = material(walk, &object, materials);
+    Some(RandomCubes { count: count?, edge: edge?, material: material? })
+}
+
+fn count(walk: &mut Walk, object: &Members<'_>) -> Option<u32> {
+    walk.needed(object, "count").and_then(|at| walk.whole(&at, 0..=MOST))
+}
+
+/// Two numbers above zero.
+fn positive(walk: &mut Walk, at: &At<'_>) -> Option<[f64; 2]> {
+    let items: [At<'_>; 2] = walk.items(at)?;
+    let numbers = items.map(|at| walk.positive(&at));
+    Some([numbers[0]?, numbers[1]?])
+}
+
+fn ordered(
+    walk: &mut Walk,
+    object: &Members<'_>,
+    key: &str,
+    [low, high]: [f64; 2],
+) -> Option<[f64; 2]> {
+    if low <= high {
+        return Some([low, high]);
+    }
+    let at = object.get(key)?;
+    walk.error("value-out-of-range", &at, format!("is upside down: from {low} to {high}")).help =
+        Some(format!("write `[{high}, {low}]`"));
+    None
+}

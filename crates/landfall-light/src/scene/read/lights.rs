@@ -1,0 +1,382 @@
+//! The lights of a scene: what they send, how it weakens, and how wide a cone is.
+
+use glam::DVec3;
+
+use super::walk::{At, Object, Walk, tidy};
+use crate::scene::{
+    Ambient, Attenuation, Cone, DirectionalLight, Emission, Lights, PointLight, SpotLight,
+};
+
+/// The attenuations that tutorials copy from the Ogre wiki: distance, constant, linear,
+/// quadratic.
+const OGRE: [[f64; 4]; 12] = [
+    [7.0, 1.0, 0.7, 1.8],
+    [13.0, 1.0, 0.35, 0.44],
+    [20.0, 1.0, 0.22, 0.20],
+    [32.0, 1.0, 0.14, 0.07],
+    [50.0, 1.0, 0.09, 0.032],
+    [65.0, 1.0, 0.07, 0.017],
+    [100.0, 1.0, 0.045, 0.0075],
+    [160.0, 1.0, 0.027, 0.0028],
+    [200.0, 1.0, 0.022, 0.0019],
+    [325.0, 1.0, 0.014, 0.0007],
+    [600.0, 1.0, 0.007, 0.0002],
+    [3250.0, 1.0, 0.0014, 0.000_007],
+];
+
+/// Members of every light but the ambient one.
+const EMISSION: &[&str] = &["color", "intensity", "ambient", "diffuse", "specular"];
+
+/// Nothing weakens.
+const NONE: Attenuation = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
+
+pub(super) fn read(walk: &mut Walk, at: &At<'_>) -> Option<Lights> {
+    let object = walk.object(at, &["ambient", "directional", "point", "spot"])?;
+    let ambient = match object.get("ambient") {
+        Some(at) => ambient(walk, &at).map(Some),
+        None => Some(None),
+    };
+    let directional = all(walk, &object, "directional", directional);
+    let point = all(walk, &object, "point", |walk, at| {
+        let lamp = walk.object(at, &[EMISSION, LAMP].concat())?;
+        self::lamp(walk, &lamp)
+    });
+    let spot = all(walk, &object, "spot", spot);
+    Some(Lights { ambient: ambient?, directional: directional?, point: point?, spot: spot? })
+}
+
+/// Every light of a list, or none if one cannot be used.
+fn all<T>(
+    walk: &mut Walk,
+    object: &Object<'_>,
+    key: &str,
+    one: impl Fn(&mut Walk, &At<'_>) -> Option<T>,
+) -> Option<Vec<T>> {
+    let Some(at) = object.get(key) else { return Some(Vec::new()) };
+    let lights: Vec<Option<T>> = walk.list(&at)?.iter().map(|at| one(walk, at)).collect();
+    lights.into_iter().collect()
+}
+
+fn ambient(walk: &mut Walk, at: &At<'_>) -> Option<Ambient> {
+    let object = walk.object(at, &["color", "intensity"])?;
+    let color = walk.needed(&object, "color").and_then(|at| walk.color(&at));
+    let intensity = intensity(walk, &object);
+    Some(Ambient { color: color?, intensity: intensity? })
+}
+
+fn intensity(walk: &mut Walk, object: &Object<'_>) -> Option<f64> {
+    let Some(at) = object.get("intensity") else { return Some(1.0) };
+    walk.not_negative(&at, "negative-color", "light is never taken away, an intensity is 0 or more")
+}
+
+fn directional(walk: &mut Walk, at: &At<'_>) -> Option<DirectionalLight> {
+    let object = walk.object(at, &[EMISSION, &["direction", "normalize"]].concat())?;
+    let direction = direction(walk, &object);
+    let emission = emission(walk, &object);
+    Some(DirectionalLight { direction: direction?, emission: emission? })
+}
+
+/// Normalised, unless the light says `"normalize": false`.
+fn direction(walk: &mut Walk, object: &Object<'_>) -> Option<DVec3> {
+    let at = walk.needed(object, "direction")?;
+    let keep = match object.get("normalize") {
+        Some(at) => !walk.truth(&at)?,
+        None => false,
+    };
+    if keep { walk.some_vector(&at) } else { walk.direction(&at) }
+}
+
+fn emission(walk: &mut Walk, object: &Object<'_>) -> Option<Emission> {
+    let mut given = |key| match object.get(key) {
+        Some(at) => walk.color(&at).map(Some),
+        None => Some(None),
+    };
+    let [color, ambient, diffuse, specular] =
+        [given("color"), given("ambient"), given("diffuse"), given("specular")];
+    let intensity = intensity(walk, object);
+    let (color, ambient, diffuse, specular) = (color?, ambient?, diffuse?, specular?);
+    let intensity = intensity?;
+    let Some(first) = color.or(diffuse) else {
+        walk.error("missing-member", &object.at, "says nothing of what it sends").help = Some(
+            "give `color` and `intensity`, or `ambient`, `diffuse` and `specular`".to_string(),
+        );
+        return None;
+    };
+    if let (None, Some(at)) = (color, object.get("intensity")) {
+        walk.error("wrong-value", &at, "is of no colour: it is what `color` is multiplied with")
+            .help = Some("give `color` too, or leave `intensity` out".to_string());
+        return None;
+    }
+    let sent = color.map_or(first, |color| color * intensity);
+    if !sent.as_vec3().is_finite() {
+        let what = "is brighter than any `f32`: its colour times its intensity is above 3.4e38";
+        walk.error("value-out-of-range", &object.at, what);
+        return None;
+    }
+    let diffuse = diffuse.unwrap_or(sent);
+    Some(Emission {
+        ambient: ambient.unwrap_or(DVec3::ZERO),
+        diffuse,
+        specular: specular.unwrap_or(if color.is_some() { sent } else { diffuse }),
+        color: first,
+        intensity,
+    })
+}
+
+/// Members of a lamp besides what it sends.
+const LAMP: &[&str] = &["position", "attenuation", "range"];
+
+fn lamp(walk: &mut Walk, object: &Object<'_>) -> Option<PointLight> {
+    let position = walk.needed(object, "position").and_then(|at| walk.vector(&at));
+    let emission = emission(walk, object);
+    let attenuation = match object.get("attenuation") {
+        Some(at) => attenuation(walk, &at),
+        None => Some(NONE),
+    };
+    let range = match object.get("range") {
+        Some(at) => walk.positive(&at).map(Some),
+        None => Some(None),
+    };
+    let attenuation = Attenuation { range: range?, ..attenuation? };
+    Some(PointLight { position: position?, emission: emission?, attenuation })
+}
+
+fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
+    let object = walk.object(at, &["constant", "linear", "quadratic", "distance"])?;
+    if let Some(distance) = object.get("distance") {
+        if object.keys().count() > 1 {
+            let what = "stands for all three coefficients, but some are given as well";
+            walk.error("given-twice", &distance, what).help =
+                Some("keep either `distance` or the coefficients".to_string());
+            return None;
+        }
+        return by_distance(walk, &distance);
+    }
+    let mut coefficient = |key, default| {
+        let Some(at) = object.get(key) else { return Some(default) };
+        let why = "with a negative coefficient light grows without end at some distance";
+        walk.not_negative(&at, "negative-attenuation", why)
+    };
+    let constant = coefficient("constant", 1.0);
+    let linear = coefficient("linear", 0.0);
+    let quadratic = coefficient("quadratic", 0.0);
+    let found =
+        Attenuation { constant: constant?, linear: linear?, quadratic: quadratic?, range: None };
+    let none = |number: f64| number as f32 == 0.0;
+    if none(found.constant) && none(found.linear) && none(found.quadratic) {
+        walk.error("zero-attenuation", at, "divides by zero at every distance").help =
+            Some("give `\"constant\": 1` for a light that does not weaken".to_string());
+        return None;
+    }
+    if let Some(constant) = object.get("constant").filter(|_| object.keys().count() == 1) {
+        alone(walk, &constant, found.constant);
+    }
+    Some(found)
+}
+
+/// What is left where three coefficients were meant and one was set three times.
+fn alone(walk: &mut Walk, at: &At<'_>, constant: f64) {
+    if constant == 1.0 {
+        return;
+    }
+    let what = format!(
+        "is {constant} and stands alone: at every distance the light is {} times as bright",
+        tidy(1.0 / constant)
+    );
+    walk.warning("lone-constant", at, what).help = Some(
+        "give `linear` and `quadratic` too; what only brightens or dims is `intensity`".to_string(),
+    );
+}
+
+/// A row of the published table. What lies between its rows is nowhere said.
+pub(super) fn by_distance(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
+    let distance = walk.number(at)?;
+    if let Some([_, constant, linear, quadratic]) = OGRE.iter().find(|row| row[0] == distance) {
+        let (constant, linear, quadratic) = (*constant, *linear, *quadratic);
+        return Some(Attenuation { constant, linear, quadratic, range: None });
+    }
+    let rows = OGRE.map(|row| row[0].to_string()).join(", ");
+    let what = format!("is {distance}, for which the table of attenuations has no row");
+    walk.error("wrong-value", at, what).help =
+        Some(format!("it has {rows}; or give `constant`, `linear` and `quadratic`"));
+    None
+}
+
+fn spot(walk: &mut Walk, at: &At<'_>) -> Option<SpotLight> {
+    let object =
+        walk.object(at, &[EMISSION, LAMP, &["direction", "normalize", "cone"]].concat())?;
+    let lamp = lamp(walk, &object);
+    let direction = direction(walk, &object);
+    let cone = walk.needed(&object, "cone").and_then(|at| cone(walk, &at));
+    Some(SpotLight { lamp: lamp?, direction: direction?, cone: cone? })
+}
+
+/// How a cone is given.
+enum Form {
+    Degrees,
+    Cosines,
+    Half,
+}
+
+fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
+    let forms = [
+        (Form::Degrees, &["inner_degrees", "outer_degrees"][..]),
+        (Form::Cosines, &["inner_cos", "outer_cos"]),
+        (Form::Half, &["half_degrees"]),
+    ];
+    let object =
+        walk.object(at, &forms.iter().flat_map(|form| form.1).copied().collect::<Vec<_>>())?;
+    let is_given = |keys: &[&str]| keys.iter().any(|key| object.get(key).is_some());
+    let given: Vec<_> = forms.iter().filter(|(_, keys)| is_given(keys)).collect();
+    let [(form, keys)] = given[..] else {
+        let what = match (given.is_empty(), object.keys().next()) {
+            (false, _) => "is given in more than one way",
+            (true, None) => "does not say how wide it is",
+            // What it has instead is unknown, and was told.
+            (true, Some(_)) => return None,
+        };
+        walk.error("wrong-cone", at, what).help = Some(
+            "give `inner_degrees` and `outer_degrees`, or `inner_cos` and `outer_cos`, \
+             or `half_degrees` for a hard edge"
+                .to_string(),
+        );
+        return None;
+    };
+    let found: Vec<Option<At<'_>>> = keys.iter().map(|key| walk.needed(&object, key)).collect();
+    let found: Vec<At<'_>> = found.into_iter().collect::<Option<_>>()?;
+    match form {
+        Form::Degrees => degrees(walk, at, &found[0], &found[1]),
+        Form::Cosines => cosines(walk, at, &found[0], &found[1]),
+        Form::Half => half(walk, &found[0]),
+    }
+}
+
+/// Half of an opening: more than half a turn is none.
+fn angle(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
+    let degrees = walk.number(at)?;
+    if (0.0..=180.0).contains(&degrees) {
+        return Some(degrees);
+    }
+    let what = format!("is {degrees}: half of a cone's opening is from 0 to 180 degrees");
+    walk.error("value-out-of-range", at, what);
+    None
+}
+
+fn degrees(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -> Option<Cone> {
+    let (inner, outer) = (angle(walk, inner_at), angle(walk, outer_at));
+    let (inner, outer) = (inner?, outer?);
+    if inner > outer {
+        let what = format!("has its angles swapped: inside {inner} degrees, outside {outer}");
+        let mut help = format!("write `\"inner_degrees\": {outer}, \"outer_degrees\": {inner}`");
+        if inner <= 1.0 {
+            help = format!(
+                "if these are cosines, write `\"inner_cos\": {inner}, \"outer_cos\": {outer}`"
+            );
+        }
+        walk.error("swapped-cone", at, what).help = Some(help);
+        return None;
+    }
+    wide_enough(walk, outer_at, outer)?;
+    if inner == outer {
+        walk.warning(
+            "hard-cone",
+            at,
+            "has no ramp: a soft cone divides by its width, which is 0",
+        )
+        .help = Some(format!("write `\"half_degrees\": {outer}` if a hard edge is meant"));
+    } else if outer < 1.0 {
+        narrow(walk, outer_at, outer).help = Some(format!(
+            "if these are radians, write `\"inner_degrees\": {}, \"outer_degrees\": {}`",
+            tidy(inner.to_degrees()),
+            tidy(outer.to_degrees()),
+        ));
+    }
+    Some(Cone { inner_cos: cos(inner), outer_cos: cos(outer), degrees: Some([inner, outer]) })
+}
+
+fn half(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
+    let half = angle(walk, at)?;
+    wide_enough(walk, at, half)?;
+    if half < 1.0 {
+        let degrees = tidy(half.acos().to_degrees());
+        narrow(walk, at, half).help =
+            Some(format!("if that is a cosine, write `\"half_degrees\": {degrees}`"));
+    }
+    Some(Cone { inner_cos: cos(half), outer_cos: cos(half), degrees: Some([half, half]) })
+}
+
+fn wide_enough(walk: &mut Walk, at: &At<'_>, outer: f64) -> Option<()> {
+    if outer > 0.0 {
+        return Some(());
+    }
+    walk.error("empty-cone", at, "is 0: a cone without width lights nothing but rounding errors");
+    None
+}
+
+fn narrow<'w>(walk: &'w mut Walk, at: &At<'_>, outer: f64) -> &'w mut landfall_layout::Diagnostic {
+    let what =
+        format!("is {outer} degrees: below 1 degree cosines in `f32` cannot tell a cone's edges");
+    walk.warning("narrow-cone", at, what)
+}
+
+fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -> Option<Cone> {
+    let (inner, outer) = (cosine(walk, inner_at), cosine(walk, outer_at));
+    let (inner, outer) = (inner?, outer?);
+    if inner < outer {
+        let what = format!(
+            "has its cosines swapped: the inner one, {inner}, is of a wider angle than the outer \
+             one, {outer}"
+        );
+        walk.error("swapped-cone", at, what).help = Some(format!(
+            "write `\"inner_cos\": {outer}, \"outer_cos\": {inner}`; if these are radians, write \
+             `\"inner_degrees\": {}, \"outer_degrees\": {}`",
+            tidy(inner.to_degrees()),
+            tidy(outer.to_degrees()),
+        ));
+        return None;
+    }
+    if outer as f32 >= 1.0 {
+        walk.error(
+            "empty-cone",
+            outer_at,
+            "is 1: a cone without width lights nothing but rounding errors",
+        );
+        return None;
+    }
+    if inner == outer {
+        walk.warning(
+            "hard-cone",
+            at,
+            "has no ramp: a soft cone divides by its width, which is 0",
+        )
+        .help = Some("give the angle as `half_degrees` if a hard edge is meant".to_string());
+    }
+    Some(Cone { inner_cos: inner, outer_cos: outer, degrees: None })
+}
+
+fn cosine(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
+    let cosine = walk.number(at)?;
+    if (-1.0..=1.0).contains(&cosine) {
+        return Some(cosine);
+    }
+    let found = walk.error("wrong-unit", at, format!("is {cosine}: a cosine is from -1 to 1"));
+    if (1.0..=180.0).contains(&cosine) {
+        let member = if at.path.ends_with("inner_cos") { "inner" } else { "outer" };
+        found.help = Some(format!(
+            "if that is an angle, write `\"{member}_degrees\": {cosine}`, or its cosine, {}",
+            tidy(cos(cosine))
+        ));
+    }
+    None
+}
+
+/// The cosine of an angle in degrees, exact where it is 1, 0 and -1.
+fn cos(degrees: f64) -> f64 {
+    if degrees <= 45.0 {
+        degrees.to_radians().cos()
+    } else if degrees <= 135.0 {
+        (90.0 - degrees).to_radians().sin()
+    } else {
+        -(180.0 - degrees).to_radians().cos()
+    }
+}

@@ -1,0 +1,240 @@
+//! What surfaces are made of: colours, and small textures drawn in the scene or beside it.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::walk::{At, Object, Walk, short};
+use super::{MOST_PIXELS, Open};
+use crate::scene::{Material, Surface, Texture};
+pub use landfall_layout::text::json::Value;
+
+/// The power of the highlight where a material says none.
+const SHININESS: f64 = 32.0;
+
+pub(super) fn read(walk: &mut Walk, root: &Object<'_>, open: &Open<'_>) -> Option<Vec<Material>> {
+    let Some(at) = root.get("materials") else { return Some(Vec::new()) };
+    let mut names: HashMap<String, String> = HashMap::new();
+    let mut materials = Vec::new();
+    let mut whole = true;
+    for at in walk.list(&at)? {
+        let Some(material) = material(walk, &at, open) else {
+            whole = false;
+            continue;
+        };
+        if let Some(first) = names.get(&material.name) {
+            let what = format!("has the name of `{first}`: objects could not tell them apart");
+            walk.error("given-twice", &at, what);
+            whole = false;
+        }
+        names.insert(material.name.clone(), at.path.clone());
+        materials.push(material);
+    }
+    whole.then_some(materials)
+}
+
+fn material(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Material> {
+    let known = &["name", "ambient", "diffuse", "specular", "shininess", "reflectance"];
+    let object = walk.object(at, known)?;
+    let name = walk.needed(&object, "name").and_then(|at| walk.text(&at));
+    let diffuse = walk.needed(&object, "diffuse").and_then(|at| surface(walk, &at, open));
+    let ambient = match object.get("ambient") {
+        Some(at) => surface(walk, &at, open),
+        None => diffuse.clone(),
+    };
+    let specular = match object.get("specular") {
+        Some(at) => surface(walk, &at, open),
+        None => Some(Surface::Constant(DVec3::ZERO)),
+    };
+    let shininess = match object.get("shininess") {
+        Some(at) => shininess(walk, &at),
+        None => Some(SHININESS),
+    };
+    let reflectance = match object.get("reflectance") {
+        Some(at) => walk.not_negative(&at, "value-out-of-range", "a reflectance is 0 or more"),
+        None => Some(1.0),
+    };
+    Some(Material {
+        name: name?.to_string(),
+        ambient: ambient?,
+        diffuse: diffuse?,
+        specular: specular?,
+        shininess: shininess?,
+        reflectance: reflectance?,
+    })
+}
+
+fn shininess(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
+    let why = "a negative power makes the highlight grow where there should be none";
+    let shininess = walk.not_negative(at, "value-out-of-range", why)?;
+    if shininess == 0.0 {
+        let what = "is 0: away from the highlight that is 0 to the power of 0, which shaders leave undefined";
+        walk.warning("zero-shininess", at, what);
+    }
+    Some(shininess)
+}
+
+fn surface(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Surface> {
+    match at.node.value {
+        Value::Object(_) => texture(walk, at, open).map(Surface::Texture),
+        Value::Number(_) | Value::List(_) => walk.color(at).map(Surface::Constant),
+        Value::Null | Value::Bool(_) | Value::Text(_) => {
+            walk.kind(at, "a colour, or an object with `checker`, `rows` or `png`");
+            None
+        }
+    }
+}
+
+fn texture(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Texture> {
+    let object = walk.object(at, &["checker", "cells", "rows", "palette", "png", "srgb"])?;
+    let srgb = match object.get("srgb") {
+        Some(at) => walk.truth(&at),
+        None => Some(false),
+    };
+    let given: Vec<&str> =
+        object.keys().filter(|key| matches!(*key, "checker" | "rows" | "png")).collect();
+    let [kind] = given[..] else {
+        let what = if given.is_empty() { "shows nothing" } else { "shows more than one image" };
+        walk.error("wrong-texture", at, what).help =
+            Some("give one of `checker`, `rows` and `png`".to_string());
+        return None;
+    };
+    let others: &[(&str, &str)] = match kind {
+        "checker" => &[("palette", "rows")],
+        "rows" => &[("cells", "checker")],
+        _ => &[("cells", "checker"), ("palette", "rows")],
+    };
+    for (key, of) in others {
+        if let Some(at) = object.get(key) {
+            walk.error("wrong-texture", &at, format!("belongs to `{of}`, not to `{kind}`"));
+        }
+    }
+    let shown = object.get(kind)?;
+    let (size, texels) = match kind {
+        "checker" => checker(walk, &object, &shown)?,
+        "rows" => rows(walk, &object, &shown)?,
+        _ => png(walk, &shown, open)?,
+    };
+    Some(Texture { width: size[0], height: size[1], texels, srgb: srgb? })
+}
+
+type Image = ([u32; 2], Vec<[u8; 3]>);
+
+/// Squares of two colours in turn, one texel each.
+fn checker(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
+    let colors: [At<'_>; 2] = walk.items(at)?;
+    let colors = colors.map(|at| texel(walk, &at));
+    let cells = match object.get("cells") {
+        Some(at) => walk.whole(&at, 1..=1024),
+        None => Some(2),
+    };
+    let (colors, cells) = ([colors[0]?, colors[1]?], cells?);
+    let color = |row: u32| move |column: u32| colors[((row + column) % 2) as usize];
+    Some(([cells, cells], (0..cells).flat_map(|row| (0..cells).map(color(row))).collect()))
+}
+
+/// Rows of letters, each letter a colour of the palette.
+fn rows(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
+    let palette = palette(walk, object);
+    let rows = walk.list(at)?;
+    let palette = palette?;
+    let mut texels = Vec::new();
+    let mut width = None;
+    for at in &rows {
+        let row = walk.text(at)?;
+        let len = row.chars().count();
+        let first = *width.get_or_insert(len);
+        if len != first {
+            let what = format!("is {len} texels long, but the first row {first}");
+            walk.error("wrong-count", at, what);
+            return None;
+        }
+        for letter in row.chars() {
+            let Some(texel) = palette.get(&letter) else {
+                walk.error("wrong-texture", at, format!("has {letter:?}, which `palette` lacks"));
+                return None;
+            };
+            texels.push(*texel);
+        }
+        fits(walk, at, texels.len() as u64)?;
+    }
+    if texels.is_empty() {
+        walk.error("wrong-count", at, "has no texel");
+        return None;
+    }
+    Some(([width.unwrap_or(0) as u32, rows.len() as u32], texels))
+}
+
+fn palette(walk: &mut Walk, object: &Object<'_>) -> Option<HashMap<char, [u8; 3]>> {
+    let at = walk.needed(object, "palette")?;
+    let Value::Object(entries) = &at.node.value else {
+        walk.kind(&at, "an object of letters with their colours");
+        return None;
+    };
+    let mut palette = HashMap::new();
+    for (key, _, node) in entries {
+        let entry = At { node, path: format!("{}.{}", at.path, short(key)) };
+        let mut letters = key.chars();
+        let (Some(letter), None) = (letters.next(), letters.next()) else {
+            walk.error("wrong-texture", &entry, "is of no single letter");
+            return None;
+        };
+        palette.insert(letter, texel(walk, &entry)?);
+    }
+    Some(palette)
+}
+
+fn texel(walk: &mut Walk, at: &At<'_>) -> Option<[u8; 3]> {
+    let items: [At<'_>; 3] = walk.items(at)?;
+    let channels = items.map(|at| walk.whole(&at, 0..=255).map(|channel| channel as u8));
+    Some([channels[0]?, channels[1]?, channels[2]?])
+}
+
+fn fits(walk: &mut Walk, at: &At<'_>, texels: u64) -> Option<()> {
+    if texels <= MOST_PIXELS {
+        return Some(());
+    }
+    let what = format!("makes {texels} texels, of which a texture has {MOST_PIXELS} at most");
+    walk.error("too-large", at, what);
+    None
+}
+
+fn png(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Image> {
+    let name = walk.text(at)?;
+    let bytes = match open(name) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            walk.error("unreadable-file", at, error.message).help = error.help;
+            return None;
+        }
+    };
+    match decode_png(&bytes) {
+        Ok(image) => Some(image),
+        Err(why) => {
+            walk.error("wrong-texture", at, format!("is no PNG that can be read: {why}"));
+            None
+        }
+    }
+}
+
+/// Alpha is dropped, grey becomes colour, 16 bits become 8.
+fn decode_png(bytes: &[u8]) -> Result<Image, String> {
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
+    let (width, height) = (reader.info().width, reader.info().height);
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(format!("{width} x {height} texels are more than {MOST_PIXELS}"));
+    }
+    let len = reader.output_buffer_size().ok_or("its size overflows")?;
+    let mut buffer = vec![0; len];
+    let frame = reader.next_frame(&mut buffer).map_err(|error| error.to_string())?;
+    let samples = frame.color_type.samples();
+    let texel = |texel: &[u8]| match *texel {
+        [red, green, blue, ..] => [red, green, blue],
+        [grey, ..] => [grey; 3],
+        [] => [0; 3],
+    };
+    let texels = buffer[..frame.buffer_size()].chunks_exact(samples).map(texel).collect();
+    Ok(([width, height], texels))
+}

@@ -1,0 +1,266 @@
+//! The objects of a scene: their meshes, where they are, what they are made of.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DMat3, DMat4, DVec3};
+
+use super::walk::{At, Object as Members, Walk, short};
+use super::{LARGEST, Open};
+use crate::scene::{Material, Mesh, Object, mesh, read_obj};
+use landfall_layout::diagnostic::Diagnostic;
+use landfall_layout::source::{Span, decode};
+use landfall_layout::text::edit_distance::nearest;
+pub use landfall_layout::text::json::Value;
+
+/// Most triangles of a scene.
+const MOST_TRIANGLES: usize = 1 << 22;
+
+pub(super) fn read(
+    walk: &mut Walk,
+    root: &Members<'_>,
+    materials: Option<&[Material]>,
+    path: &str,
+    open: &Open<'_>,
+) -> Option<Vec<Object>> {
+    let Some(at) = root.get("objects") else { return Some(Vec::new()) };
+    let mut reader = Reader { materials, path, open, obj: HashMap::new() };
+    let mut objects = Vec::new();
+    let mut triangles = 0;
+    let mut whole = true;
+    for at in walk.list(&at)? {
+        match reader.object(walk, &at) {
+            Some(object) => {
+                triangles += object.mesh.triangles.len();
+                objects.push(object);
+            }
+            None => whole = false,
+        }
+        if triangles > MOST_TRIANGLES {
+            let what = format!("is one too many: a scene has {MOST_TRIANGLES} triangles at most");
+            walk.error("too-large", &at, what);
+            return None;
+        }
+    }
+    whole.then_some(objects)
+}
+
+struct Reader<'r> {
+    materials: Option<&'r [Material]>,
+    /// Of the scene, which files are beside.
+    path: &'r str,
+    open: &'r Open<'r>,
+    /// Files read so far; none where something is wrong with one.
+    obj: HashMap<String, Option<Mesh>>,
+}
+
+impl Reader<'_> {
+    fn object(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Object> {
+        let object =
+            walk.object(at, &["name", "mesh", "material", "position", "rotation", "scale"])?;
+        object.get("name").and_then(|at| walk.text(&at).map(drop));
+        let mesh = walk.needed(&object, "mesh").and_then(|at| self.mesh(walk, &at));
+        let material = material(walk, &object, self.materials);
+        let position = match object.get("position") {
+            Some(at) => walk.vector(&at),
+            None => Some(DVec3::ZERO),
+        };
+        let rotation = match object.get("rotation") {
+            Some(at) => rotation(walk, &at),
+            None => Some(DMat3::IDENTITY),
+        };
+        let scale = match object.get("scale") {
+            Some(at) => scale(walk, &at),
+            None => Some(DVec3::ONE),
+        };
+        let mut transform = DMat4::from_mat3(rotation? * DMat3::from_diagonal(scale?));
+        transform.w_axis = position?.extend(1.0);
+        let object = Object { mesh: mesh?, material: material?, transform };
+        near_enough(walk, at, &object)?;
+        Some(object)
+    }
+
+    fn mesh(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
+        let simple = [
+            ("cube", mesh::cube as fn() -> Mesh),
+            ("plane", || mesh::plane(1.0)),
+            ("sphere", || mesh::sphere(32, 16)),
+        ];
+        match &at.node.value {
+            Value::Text(name) if name.to_ascii_lowercase().ends_with(".obj") => {
+                let found =
+                    walk.error("wrong-value", at, format!("is {:?}, which is a file", short(name)));
+                found.help = Some(format!("write `{{\"obj\": {:?}}}`", short(name)));
+                None
+            }
+            Value::Text(_) => walk.one_of(at, &simple).map(|make| make()),
+            Value::Object(_) => self.shaped(walk, at),
+            Value::Null | Value::Bool(_) | Value::Number(_) | Value::List(_) => {
+                walk.kind(at, "`\"cube\"`, `\"plane\"`, `\"sphere\"`, or an object with one of `plane`, `sphere` and `obj`");
+                None
+            }
+        }
+    }
+
+    fn shaped(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
+        let object = walk.object(at, &["plane", "sphere", "obj"])?;
+        if object.keys().count() != 1 {
+            walk.error("wrong-value", at, "is not exactly one of `plane`, `sphere` and `obj`");
+            return None;
+        }
+        if let Some(at) = object.get("plane") {
+            let plane = walk.object(&at, &["repeat"])?;
+            let repeat = match plane.get("repeat") {
+                Some(at) => walk.positive(&at)?,
+                None => 1.0,
+            };
+            return Some(mesh::plane(repeat));
+        }
+        if let Some(at) = object.get("sphere") {
+            let sphere = walk.object(&at, &["segments", "rings"])?;
+            let mut part = |key, least, default| match sphere.get(key) {
+                Some(at) => walk.whole(&at, least..=1024),
+                None => Some(default),
+            };
+            let (segments, rings) = (part("segments", 3, 32), part("rings", 2, 16));
+            return Some(mesh::sphere(segments?, rings?));
+        }
+        self.obj(walk, &object.get("obj")?)
+    }
+
+    fn obj(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
+        let name = walk.text(at)?;
+        if let Some(read) = self.obj.get(name) {
+            return read.clone();
+        }
+        let mesh = self.new_obj(walk, at, name);
+        self.obj.insert(name.to_string(), mesh.clone());
+        mesh
+    }
+
+    fn new_obj(&self, walk: &mut Walk, at: &At<'_>, name: &str) -> Option<Mesh> {
+        let text = match (self.open)(name).and_then(|bytes| decode(name, bytes)) {
+            Ok(text) => text,
+            Err(error) => {
+                walk.error("unreadable-file", at, error.message).help = error.help;
+                return None;
+            }
+        };
+        let read = read_obj(&text);
+        let shown = Path::new(self.path).with_file_name(name).display().to_string();
+        let file = walk.files.add(shown, Arc::from(text));
+        let span =
+            |at: &std::ops::Range<usize>| Span { file, start: at.start as u32, end: at.end as u32 };
+        match read {
+            Err(faults) => {
+                for fault in faults {
+                    let mut found = Diagnostic::error("wrong-mesh", span(&fault.at), fault.message);
+                    found.help = fault.help;
+                    walk.push(found);
+                }
+                None
+            }
+            Ok(read) => {
+                if let Some(first) = &read.first_flat {
+                    let message = format!(
+                        "`{}` has no normals for {} of its {} triangles: they are drawn flat",
+                        short(name),
+                        read.flat,
+                        read.triangles
+                    );
+                    let found = Diagnostic::warning("mesh-without-normals", span(first), message);
+                    walk.push(
+                        found.with_help(
+                            "write the file with normals, as corners `position/uv/normal`",
+                        ),
+                    );
+                }
+                Some(read.mesh)
+            }
+        }
+    }
+}
+
+/// Corners as far out as a position may be.
+fn near_enough(walk: &mut Walk, at: &At<'_>, object: &Object) -> Option<()> {
+    let corners = object.mesh.vertices.iter();
+    let out = |at: DVec3| object.transform.transform_point3(at).abs().max_element() > LARGEST;
+    if !corners.map(|vertex| vertex.position).any(out) {
+        return Some(());
+    }
+    walk.error("too-large", at, "has corners beyond 1e18, the square of which fits no `f32`");
+    None
+}
+
+/// The number of a material by its name. The only material there is need not be named.
+pub(super) fn material(
+    walk: &mut Walk,
+    object: &Members<'_>,
+    materials: Option<&[Material]>,
+) -> Option<usize> {
+    let given = match object.get("material") {
+        Some(at) => Some((walk.text(&at)?, at)),
+        None => None,
+    };
+    // What is wrong with the materials was told already.
+    let materials = materials?;
+    let Some((name, at)) = given else {
+        if materials.len() == 1 {
+            return Some(0);
+        }
+        let what =
+            format!("has no `material`, and the scene has {} to choose from", materials.len());
+        walk.error("missing-material", &object.at, what);
+        return None;
+    };
+    let found = materials.iter().position(|material| material.name == name);
+    if found.is_none() {
+        let near = nearest(name, materials.iter().map(|material| material.name.as_str()));
+        let help = match near {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "give a material of that name in `materials`".to_string(),
+        };
+        let what = format!("is {:?}, a material that the scene has not", short(name));
+        walk.error("missing-material", &at, what).help = Some(help);
+    }
+    found
+}
+
+fn rotation(walk: &mut Walk, at: &At<'_>) -> Option<DMat3> {
+    let object = walk.object(at, &["axis", "degrees"])?;
+    let axis = walk.needed(&object, "axis").and_then(|at| walk.direction(&at));
+    let degrees = walk.needed(&object, "degrees").and_then(|at| walk.number(&at));
+    let (sin, cos) = sin_cos(degrees?);
+    let axis = axis?;
+    // Rodrigues: what is along the axis stays, what is across it turns.
+    let turned = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
+    Some(DMat3::from_cols(turned(DVec3::X), turned(DVec3::Y), turned(DVec3::Z)))
+}
+
+/// Sine and cosine of an angle in degrees, exact at quarter turns.
+fn sin_cos(degrees: f64) -> (f64, f64) {
+    let quarters = (degrees / 90.0).round();
+    let (sin, cos) = (degrees - quarters * 90.0).to_radians().sin_cos();
+    match quarters.rem_euclid(4.0) as u8 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+fn scale(walk: &mut Walk, at: &At<'_>) -> Option<DVec3> {
+    let (scale, of) = match at.node.value {
+        Value::Number(_) => (DVec3::splat(walk.number(at)?), at.clone()),
+        _ => (walk.vector(at)?, at.clone()),
+    };
+    // Normals grow by what the mesh shrinks; below that their squares have no `f32`.
+    if scale.abs().min_element() < 1e-18 || scale.abs().max_element() > 1e18 {
+        let what = "flattens the mesh, or makes it larger than light can be computed for";
+        walk.error("value-out-of-range", &of, what).help =
+            Some("scale by 1e-18 to 1e18 along each axis".to_string());
+        return None;
+    }
+    Some(scale)
+}

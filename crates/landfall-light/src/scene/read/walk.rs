@@ -1,0 +1,343 @@
+//! A way through JSON that knows its path, and keeps what is wrong on it.
+//!
+//! What cannot be used is told and comes back as `None`, and the reader goes on, so that one
+//! reading tells everything.
+
+use std::ops::RangeInclusive;
+
+use glam::DVec3;
+
+use super::LARGEST;
+use landfall_layout::diagnostic::{Diagnostic, Severity};
+use landfall_layout::source::{Files, Span};
+use landfall_layout::text::edit_distance::nearest;
+pub use landfall_layout::text::json::{Node, Value};
+
+/// A value and the path to it.
+#[derive(Clone)]
+pub(super) struct At<'n> {
+    pub node: &'n Node,
+    pub path: String,
+}
+
+impl<'n> At<'n> {
+    pub fn root(node: &'n Node) -> At<'n> {
+        At { node, path: String::new() }
+    }
+
+    fn name(&self) -> String {
+        if self.path.is_empty() { "the scene".to_string() } else { format!("`{}`", self.path) }
+    }
+}
+
+/// An object whose members are all known.
+pub(super) struct Object<'n> {
+    pub at: At<'n>,
+    entries: &'n [(String, usize, Node)],
+}
+
+impl<'n> Object<'n> {
+    pub fn get(&self, key: &str) -> Option<At<'n>> {
+        let (_, _, node) = self.entries.iter().find(|(name, _, _)| name == key)?;
+        Some(At { node, path: join(&self.at.path, key) })
+    }
+
+    /// The members that are there.
+    pub fn keys(&self) -> impl Iterator<Item = &'n str> {
+        self.entries.iter().map(|(key, _, _)| key.as_str())
+    }
+}
+
+/// Findings after which further ones take the place of the last.
+const MOST_FINDINGS: usize = 1000;
+
+/// What was found on the way.
+#[derive(Default)]
+pub(super) struct Walk {
+    pub files: Files,
+    pub diagnostics: Vec<Diagnostic>,
+    /// Whether there was an error among the findings.
+    pub wrong: bool,
+}
+
+impl Walk {
+    /// Tells what is wrong with a value; `what` is read after its path.
+    pub fn error(
+        &mut self,
+        code: &'static str,
+        at: &At<'_>,
+        what: impl AsRef<str>,
+    ) -> &mut Diagnostic {
+        let message = format!("{} {}", at.name(), what.as_ref());
+        self.push(Diagnostic::error(code, self.span(at), message))
+    }
+
+    /// Tells what is doubtful about a value.
+    pub fn warning(
+        &mut self,
+        code: &'static str,
+        at: &At<'_>,
+        what: impl AsRef<str>,
+    ) -> &mut Diagnostic {
+        let message = format!("{} {}", at.name(), what.as_ref());
+        self.push(Diagnostic::warning(code, self.span(at), message))
+    }
+
+    /// Where a value stands; only where it begins, if it takes several lines.
+    fn span(&self, at: &At<'_>) -> Span {
+        let Node { start, end, .. } = *at.node;
+        let text = self.files.get(0).map_or("", |file| &file.text);
+        match text.get(start..end) {
+            Some(text) if text.contains('\n') => span(start, start + 1),
+            _ => span(start, end),
+        }
+    }
+
+    /// Keeps a finding.
+    pub fn push(&mut self, found: Diagnostic) -> &mut Diagnostic {
+        self.wrong |= found.severity == Severity::Error;
+        self.diagnostics.truncate(MOST_FINDINGS - 1);
+        self.diagnostics.push(found);
+        self.diagnostics.last_mut().expect("one was just added")
+    }
+
+    /// Tells that something else must stand there.
+    pub fn kind(&mut self, at: &At<'_>, wanted: &str) {
+        let found = match &at.node.value {
+            Value::Number(number) => short(number),
+            Value::Text(text) => format!("{:?}", short(text)),
+            other => other.noun().to_string(),
+        };
+        if let Value::Text(text) = &at.node.value {
+            if text.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
+                self.error("not-finite", at, format!("is {found}: nothing can be lit with that"));
+                return;
+            }
+        }
+        self.error("wrong-value", at, format!("is {found}, but must be {wanted}"));
+    }
+
+    /// An object; members it should not have are told.
+    pub fn object<'n>(&mut self, at: &At<'n>, known: &[&str]) -> Option<Object<'n>> {
+        let Value::Object(entries) = &at.node.value else {
+            self.kind(at, "an object");
+            return None;
+        };
+        for (key, start, _) in entries.iter().filter(|(key, _, _)| !known.contains(&key.as_str())) {
+            let whose = at.name();
+            let message = format!("`{}` is no member of {whose}", short(key));
+            let end = start + key.len() + 2;
+            let text_end = self.files.get(0).map_or(end, |file| file.text.len());
+            let mut found =
+                Diagnostic::error("unknown-member", span(*start, end.min(text_end)), message);
+            found.help = Some(match nearest(key, known.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("it has {}", list(known)),
+            });
+            self.push(found);
+        }
+        Some(Object { at: at.clone(), entries })
+    }
+
+    /// A member that must be there.
+    pub fn needed<'n>(&mut self, object: &Object<'n>, key: &str) -> Option<At<'n>> {
+        let found = object.get(key);
+        if found.is_none() {
+            self.error("missing-member", &object.at, format!("has no `{key}`"));
+        }
+        found
+    }
+
+    /// The values of a list.
+    pub fn list<'n>(&mut self, at: &At<'n>) -> Option<Vec<At<'n>>> {
+        let Value::List(nodes) = &at.node.value else {
+            self.kind(at, "a list");
+            return None;
+        };
+        let item = |(i, node)| At { node, path: format!("{}[{i}]", at.path) };
+        Some(nodes.iter().enumerate().map(item).collect())
+    }
+
+    /// A list of so many values.
+    pub fn items<'n, const N: usize>(&mut self, at: &At<'n>) -> Option<[At<'n>; N]> {
+        match <[At<'n>; N]>::try_from(self.list(at)?) {
+            Ok(items) => Some(items),
+            Err(items) => {
+                let what = format!("is a list of {}, but must be one of {N}", items.len());
+                self.error("wrong-count", at, what);
+                None
+            }
+        }
+    }
+
+    /// A number that an `f32` has room for.
+    pub fn number(&mut self, at: &At<'_>) -> Option<f64> {
+        let Value::Number(written) = &at.node.value else {
+            self.kind(at, "a number");
+            return None;
+        };
+        let number: f64 = written.parse().ok()?;
+        if (number as f32).is_finite() {
+            return Some(number);
+        }
+        let what = format!("is {}, which no `f32` can hold: the largest is 3.4e38", short(written));
+        self.error("value-out-of-range", at, what);
+        None
+    }
+
+    /// A number above zero, as an `f32` too.
+    pub fn positive(&mut self, at: &At<'_>) -> Option<f64> {
+        let number = self.number(at)?;
+        if number as f32 > 0.0 {
+            return Some(number);
+        }
+        self.error("value-out-of-range", at, format!("is {number}, but must be above 0"));
+        None
+    }
+
+    /// A number that is zero or more.
+    pub fn not_negative(&mut self, at: &At<'_>, code: &'static str, why: &str) -> Option<f64> {
+        let number = self.number(at)?;
+        if number >= 0.0 {
+            return Some(number);
+        }
+        self.error(code, at, format!("is {number}: {why}"));
+        None
+    }
+
+    /// A whole number.
+    pub fn whole(&mut self, at: &At<'_>, range: RangeInclusive<u32>) -> Option<u32> {
+        let number = self.number(at)?;
+        let (low, high) = (*range.start(), *range.end());
+        if number.fract() == 0.0 && number >= f64::from(low) && number <= f64::from(high) {
+            return Some(number as u32);
+        }
+        let what = format!("is {number}, but must be a whole number from {low} to {high}");
+        self.error("value-out-of-range", at, what);
+        None
+    }
+
+    /// Three coordinates.
+    pub fn vector(&mut self, at: &At<'_>) -> Option<DVec3> {
+        let items: [At<'_>; 3] = self.items(at)?;
+        let numbers = items.map(|item| {
+            let number = self.number(&item)?;
+            if number.abs() <= LARGEST {
+                return Some(number);
+            }
+            let what = format!("is {number}: the square of what is beyond 1e18 fits no `f32`");
+            self.error("value-out-of-range", &item, what);
+            None
+        });
+        Some(DVec3::new(numbers[0]?, numbers[1]?, numbers[2]?))
+    }
+
+    /// A vector of some length.
+    pub fn some_vector(&mut self, at: &At<'_>) -> Option<DVec3> {
+        let vector = self.vector(at)?;
+        if vector.abs().max_element() as f32 > 0.0 {
+            return Some(vector);
+        }
+        self.error("zero-direction", at, "has no length, so it has no direction");
+        None
+    }
+
+    /// A unit vector, whatever its length was.
+    pub fn direction(&mut self, at: &At<'_>) -> Option<DVec3> {
+        self.some_vector(at).and_then(unit)
+    }
+
+    /// A colour: three numbers, or one for a grey.
+    pub fn color(&mut self, at: &At<'_>) -> Option<DVec3> {
+        if let Value::Number(_) = at.node.value {
+            return self.channel(at).map(DVec3::splat);
+        }
+        let Value::List(_) = at.node.value else {
+            self.kind(at, "a colour: `[red, green, blue]`, or one number for a grey");
+            return None;
+        };
+        let items: [At<'_>; 3] = self.items(at)?;
+        let channels = items.map(|item| self.channel(&item));
+        Some(DVec3::new(channels[0]?, channels[1]?, channels[2]?))
+    }
+
+    fn channel(&mut self, at: &At<'_>) -> Option<f64> {
+        self.not_negative(at, "negative-color", "light is never taken away, a colour is 0 or more")
+    }
+
+    /// Text.
+    pub fn text<'n>(&mut self, at: &At<'n>) -> Option<&'n str> {
+        if let Value::Text(text) = &at.node.value {
+            return Some(text);
+        }
+        self.kind(at, "a string");
+        None
+    }
+
+    /// True or false.
+    pub fn truth(&mut self, at: &At<'_>) -> Option<bool> {
+        if let Value::Bool(value) = at.node.value {
+            return Some(value);
+        }
+        self.kind(at, "true or false");
+        None
+    }
+
+    /// One of some words.
+    pub fn one_of<T: Copy>(&mut self, at: &At<'_>, words: &[(&str, T)]) -> Option<T> {
+        let word = self.text(at)?;
+        if let Some(found) = words.iter().find(|(name, _)| *name == word) {
+            return Some(found.1);
+        }
+        let names: Vec<&str> = words.iter().map(|(name, _)| *name).collect();
+        self.no_word(at, word, &names);
+        None
+    }
+
+    /// Tells that a word is none of those that can stand there.
+    pub fn no_word(&mut self, at: &At<'_>, word: &str, names: &[&str]) {
+        let near = nearest(word, names.iter().copied());
+        let found =
+            self.error("wrong-value", at, format!("is {:?}, which is not known", short(word)));
+        found.help = Some(match near {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("it is one of {}", list(names)),
+        });
+    }
+}
+
+/// A vector's direction, however short it is.
+pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
+    (vector / vector.abs().max_element()).try_normalize()
+}
+
+fn span(start: usize, end: usize) -> Span {
+    Span { file: 0, start: start as u32, end: end as u32 }
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
+}
+
+fn list(names: &[&str]) -> String {
+    let names: Vec<String> =
+        names.iter().filter(|name| **name != "$schema").map(|name| format!("`{name}`")).collect();
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+/// No message grows with the text.
+pub(super) fn short(text: &str) -> String {
+    if text.chars().count() <= 40 {
+        return text.to_string();
+    }
+    text.chars().take(39).chain(['…']).collect()
+}
+
+/// A number for advice: four digits are enough.
+pub(super) fn tidy(number: f64) -> f64 {
+    let scale = 10_f64.powi(3 - number.abs().log10().floor().clamp(-300.0, 300.0) as i32);
+    (number * scale).round() / scale
+}

@@ -1,0 +1,143 @@
+//! `array-stride-waste`: arrays whose elements are a quarter or half of their distance.
+
+use std::sync::Arc;
+
+use super::show::bytes;
+use super::walk::{Visit, declared, members};
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::layout::occupied;
+use landfall_layout::layout::rules::extent;
+use landfall_layout::shape::{ArrayLen, Majorness, Type};
+
+pub(super) const LINT: Lint = Lint {
+    code: "array-stride-waste",
+    // It costs memory, not correctness, and packing costs an index.
+    level: Level::Allow,
+    what: "an array of scalars or small vectors that could be packed into larger ones",
+    why: "std140 puts the elements of every array 16 bytes apart: a `float[64]` is 1024 bytes, \
+          three quarters of them padding, of the 16384 a uniform block is sure to have. Packed \
+          into `vec4 w[16]` it is 256. Allowed unless asked for: it is a waste, not a fault.",
+    example: "\
+#version 330 core
+layout(std140) uniform Kernel {
+    float w[64]; // 1024 bytes
+};
+void main() {}
+",
+    fix: "declare `vec4 w[16]` and read `w[i / 4][i % 4]`",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    let visits = members(subject.shader);
+    visits.iter().filter_map(|visit| waste(subject, visit)).collect()
+}
+
+fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
+    // Where the driver decides, no number is sure.
+    if !visit.block.rules_declared {
+        return None;
+    }
+    let member = visit.member();
+    let element = member.ty.innermost();
+    let stride = *member.strides.last()?;
+    let own = occupied(element);
+    let packed = packing(element)?;
+    if stride < 2 * own {
+        return None;
+    }
+    let new = with_last_dimension(&member.ty, &packed)?;
+    let extent = extent(&new, visit.block.rules, Majorness::Column).ok()?;
+    let language = subject.shader.language;
+    let spelled = element.spelled(language);
+    let declaration = declared(&member.name, &new, language);
+    let read = reading(&member.name, member.dims.len(), new.dims().len(), &packed);
+    let (message, help) = match (member.size, extent.size) {
+        (Some(old), Some(new)) if new < old => (
+            format!(
+                "`{}` is {}: its elements are {}, {stride} apart",
+                member.name,
+                bytes(old),
+                bytes(own),
+            ),
+            format!("declare `{declaration}` and read {read}: {}, {} saved", bytes(new), old - new),
+        ),
+        (Some(_), _) => return None,
+        (None, _) => (
+            format!(
+                "each `{spelled}` of `{}` takes up {stride} bytes and holds {own}",
+                member.name
+            ),
+            format!(
+                "declare `{declaration}` and read {read}: {stride} bytes for {} elements",
+                packed.count
+            ),
+        ),
+    };
+    Some(
+        visit
+            .finding(subject, LINT.code, message)
+            .with_text(format!("array stride {stride}"))
+            .with_help(help),
+    )
+}
+
+/// A larger vector, and how many elements it takes in.
+struct Packing {
+    vector: Type,
+    count: u32,
+    /// Components of one element.
+    rows: u8,
+}
+
+/// The vector of up to 16 bytes that takes in several elements.
+fn packing(element: &Type) -> Option<Packing> {
+    let (scalar, rows) = match *element {
+        Type::Scalar(scalar) => (scalar, 1u8),
+        Type::Vector { scalar, rows } => (scalar, rows),
+        // An atomic stands alone; matrices and structures do not pack.
+        Type::Atomic(_)
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Struct(_)
+        | Type::Array { .. } => return None,
+    };
+    let components: u8 = if scalar.width == 8 { 2 } else { 4 };
+    let count = components / rows;
+    (count >= 2).then(|| Packing {
+        vector: Type::Vector { scalar, rows: components },
+        count: count.into(),
+        rows,
+    })
+}
+
+/// The same array with its innermost dimension packed; `None` where the text gives no length.
+fn with_last_dimension(ty: &Type, packed: &Packing) -> Option<Type> {
+    let Type::Array { element, len } = ty else { return None };
+    if let Type::Array { .. } = &**element {
+        let element = Arc::new(with_last_dimension(element, packed)?);
+        return Some(Type::Array { element, len: len.clone() });
+    }
+    let len = match len {
+        // One vector takes them all.
+        ArrayLen::Fixed(n) if *n <= packed.count => return Some(packed.vector.clone()),
+        ArrayLen::Fixed(n) => ArrayLen::Fixed(n.div_ceil(packed.count)),
+        ArrayLen::Runtime => ArrayLen::Runtime,
+        ArrayLen::Override(_) => return None,
+    };
+    Some(Type::Array { element: Arc::new(packed.vector.clone()), len })
+}
+
+/// How an element is read: `` `w[i / 4][i % 4]` ``, `` `w[i / 2].xy` or `.zw` ``.
+fn reading(name: &str, old: usize, new: usize, packed: &Packing) -> String {
+    let outer = ["[i]", "[j]", "[k]"].iter().cycle().take(old - 1).copied().collect::<String>();
+    let index = ["i", "j", "k"][(old - 1) % 3];
+    let count = packed.count;
+    match (packed.rows, new < old) {
+        (1, false) => format!("`{name}{outer}[{index} / {count}][{index} % {count}]`"),
+        (1, true) => format!("`{name}{outer}[{index}]`"),
+        (_, false) => format!("`{name}{outer}[{index} / {count}].xy` or `.zw`"),
+        (_, true) => format!("`{name}{outer}.xy` or `.zw`"),
+    }
+}

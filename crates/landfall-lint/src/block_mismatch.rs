@@ -1,0 +1,303 @@
+//! `block-mismatch`: copies of one block, in stages or files of one run, that are not the same.
+
+mod compare;
+mod mirrors;
+mod program;
+
+use std::collections::BTreeMap;
+
+use super::show::{counted, is_declared, listing, may_be_vulkan, place};
+use super::{Check, Lint, Settings, Subject};
+use compare::{Difference, View, alike, collide, differences, is_head, shared, view};
+use landfall_layout::ShaderLayout;
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::shape::AddressSpace;
+use program::{Program, program};
+
+pub(super) const LINT: Lint = Lint {
+    code: "block-mismatch",
+    level: Level::Deny,
+    what: "one block is declared differently in two stages or files",
+    why: "Both copies read one buffer, so one of them reads other members' bytes, or the program \
+          does not link. Two declarations are taken to be copies of one block in three cases. \
+          Stages of one program (same directory, same file name but for the stage): blocks of one \
+          name, and uniform blocks of one group and binding that read a byte differently. Files \
+          of one directory: blocks of one name, slot and rules that share at least three members \
+          and two thirds of all, by name and type; fewer are two blocks that happen to be called `Params`. Mirror \
+          groups of the configuration: whatever it names, wherever it is. A copy that declares \
+          only the first members of another is fine between programs, and in Vulkan, but does \
+          not link in OpenGL. Blocks of one name in different directories are not compared: \
+          collections of samples are full of them.",
+    example: "#version 330 core\n\
+              // The vertex shader next to it declares `color` before `position`.\n\
+              layout(std140) uniform Light { vec3 position; vec3 color; } u_light;\n\
+              out vec4 shade;\n\
+              void main() { shade = vec4(u_light.color, 1.0); }\n",
+    fix: "Declare the block once, in a file that every stage includes, or copy the declaration \
+          that the uploading code was written for. Blocks that only share a name are told apart by \
+          another name or binding.",
+    check: Check::Tree(check),
+};
+
+/// Differences that are named; the rest are counted.
+const MOST_NAMED: usize = 4;
+
+/// Further copies that are listed; the rest are counted.
+const MOST_COPIES: usize = 3;
+
+/// One declaration of a block.
+#[derive(Clone, Copy)]
+struct Copy<'a> {
+    subject: &'a Subject<'a>,
+    block: &'a BlockLayout,
+}
+
+impl Copy<'_> {
+    fn view(&self) -> View<'_> {
+        view(self.block, self.subject.shader.language)
+    }
+}
+
+fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
+    let mut found = by_program(subjects);
+    found.extend(by_directory(subjects));
+    found.extend(mirrors::check(subjects, settings));
+    let mut kept: Vec<Finding> = Vec::new();
+    for finding in found {
+        // Two stages of one program are in one directory too, and may be in one mirror group.
+        let told = kept.iter().any(|k| k.place == finding.place && k.about == finding.about);
+        if !told {
+            kept.push(finding);
+        }
+    }
+    kept
+}
+
+/// The declarations that are looked at: of buffers that several shaders may read.
+fn copies<'a>(subjects: &'a [Subject<'a>]) -> impl Iterator<Item = Copy<'a>> {
+    subjects.iter().flat_map(|subject| {
+        let blocks = subject.shader.blocks.iter();
+        // Push constants are a range of each stage's own; the others are no bound buffers.
+        let bound = |block: &&BlockLayout| match block.space {
+            AddressSpace::Uniform | AddressSpace::Storage => is_declared(block, subject.options),
+            AddressSpace::PushConstant
+            | AddressSpace::BufferReference
+            | AddressSpace::ShaderRecord
+            | AddressSpace::Default => false,
+        };
+        blocks.filter(bound).map(move |block| Copy { subject, block })
+    })
+}
+
+/// What a block has in common with every block it may be compared with.
+pub(super) fn keys<'a>(
+    shader: &'a ShaderLayout,
+    block: &'a BlockLayout,
+) -> impl Iterator<Item = String> {
+    let bound = matches!(block.space, AddressSpace::Uniform | AddressSpace::Storage);
+    let path = shader.path.replace('\\', "/");
+    let directory = path.rsplit_once('/').map_or("", |(directory, _)| directory).to_string();
+    let (space, slot) = (block.space.name(), (block.group, block.binding));
+    let beside = format!(
+        "{directory} {} {} {space} {} {slot:?}",
+        shader.language.name(),
+        block.name,
+        block.rules.name()
+    );
+    let program = program(shader);
+    let linked = program.as_ref().map(|program| format!("{program:?} {} {space}", block.name));
+    let shared = program.zip(block.binding).filter(|_| block.space == AddressSpace::Uniform);
+    let shared = shared
+        .map(|(program, binding)| format!("{program:?} {} {binding}", block.group.unwrap_or(0)));
+    [Some(beside), linked, shared].into_iter().flatten().filter(move |_| bound)
+}
+
+fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
+    let mut named: BTreeMap<(Program, &str, &str), Vec<Copy<'_>>> = BTreeMap::new();
+    let mut slots: BTreeMap<(Program, u32, u32), Vec<Copy<'_>>> = BTreeMap::new();
+    for copy in copies(subjects) {
+        let Some(program) = program(copy.subject.shader) else { continue };
+        let block = copy.block;
+        let key = (program.clone(), &*block.name, block.space.name());
+        named.entry(key).or_default().push(copy);
+        if let (AddressSpace::Uniform, Some(binding)) = (block.space, block.binding) {
+            let key = (program, block.group.unwrap_or(0), binding);
+            slots.entry(key).or_default().push(copy);
+        }
+    }
+    let links = |a: &Copy<'_>, b: &Copy<'_>| {
+        let (here, there) = (a.view(), b.view());
+        let found = differences(&here, &there);
+        let slot = |copy: &Copy<'_>| (copy.block.group.unwrap_or(0), copy.block.binding);
+        // Names are not looked at in Vulkan, slots are, and a stage may declare fewer members.
+        let vulkan = may_be_vulkan(a.subject) && may_be_vulkan(b.subject);
+        let fine = is_head(&here, &there) || found.iter().all(|d| d.cosmetic);
+        match vulkan {
+            true if slot(a) != slot(b) => Relation::None,
+            true if fine => Relation::Same,
+            false if found.is_empty() => Relation::Same,
+            true | false => Relation::Differs,
+        }
+    };
+    let mut found: Vec<Finding> =
+        named.values().flat_map(|copies| odd_ones_out(copies, links)).collect();
+    let reads = |a: &Copy<'_>, b: &Copy<'_>| {
+        // Within one stage two blocks of one slot are two views of a buffer, made on purpose.
+        let one_stage = std::ptr::eq(a.subject, b.subject);
+        match one_stage || a.block.name == b.block.name || !collide(&a.view(), &b.view()) {
+            true => Relation::Same,
+            false => Relation::Differs,
+        }
+    };
+    found.extend(slots.values().flat_map(|copies| odd_ones_out(copies, reads)));
+    found
+}
+
+fn by_directory(subjects: &[Subject<'_>]) -> Vec<Finding> {
+    type Key<'a> = (String, &'a str, &'a str, &'a str, &'a str, Option<u32>, Option<u32>);
+    let mut groups: BTreeMap<Key<'_>, Vec<Copy<'_>>> = BTreeMap::new();
+    for copy in copies(subjects) {
+        let path = copy.subject.source.path.replace('\\', "/");
+        let directory = path.rsplit_once('/').map_or("", |(directory, _)| directory);
+        let block = copy.block;
+        let key = (
+            directory.to_string(),
+            copy.subject.shader.language.name(),
+            &*block.name,
+            block.space.name(),
+            block.rules.name(),
+            block.group,
+            block.binding,
+        );
+        groups.entry(key).or_default().push(copy);
+    }
+    let relation = |a: &Copy<'_>, b: &Copy<'_>| {
+        let (here, there) = (a.view(), b.view());
+        let shared = shared(&here, &there);
+        let most = here.leaves.len().max(there.leaves.len());
+        if shared < 3 || shared * 3 < most * 2 {
+            return Relation::None;
+        }
+        match is_head(&here, &there) || differences(&here, &there).iter().all(|d| d.cosmetic) {
+            true => Relation::Same,
+            false => Relation::Differs,
+        }
+    };
+    groups.values().flat_map(|copies| odd_ones_out(copies, relation)).collect()
+}
+
+/// What two declarations are to each other.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Relation {
+    /// Copies that agree.
+    Same,
+    /// Copies that do not.
+    Differs,
+    /// Two blocks that share a name.
+    None,
+}
+
+/// Ways of declaring one block; a name that is declared in more is no block's in particular.
+const MOST_WAYS: usize = 8;
+
+/// Blocks of one name in one place that have nothing to do with each other.
+const MOST_FAMILIES: usize = 8;
+
+/// A finding for each way of declaring a block that does not agree with the most common one.
+fn odd_ones_out<'a>(
+    copies: &[Copy<'a>],
+    relation: impl Fn(&Copy<'a>, &Copy<'a>) -> Relation,
+) -> Vec<Finding> {
+    let relation = |a: &Copy<'a>, b: &Copy<'a>| match alike(a.block, b.block) {
+        true => Relation::Same,
+        false => relation(a, b),
+    };
+    let mut families: Vec<Vec<Vec<Copy<'a>>>> = Vec::new();
+    for copy in copies {
+        let room = families.len() < MOST_FAMILIES;
+        let of = families.iter_mut().find_map(|ways| {
+            let same = ways.iter().position(|way| relation(copy, &way[0]) == Relation::Same);
+            let known = same.is_some() || relation(copy, &ways[0][0]) == Relation::Differs;
+            known.then_some((ways, same))
+        });
+        match of {
+            Some((ways, Some(same))) => ways[same].push(*copy),
+            Some((ways, None)) if ways.len() <= MOST_WAYS => ways.push(vec![*copy]),
+            Some((_, None)) => {}
+            None if room => families.push(vec![vec![*copy]]),
+            None => {}
+        }
+    }
+    families.retain(|ways| ways.len() <= MOST_WAYS);
+    families.iter().flat_map(|ways| odd_ways(ways)).collect()
+}
+
+fn odd_ways(ways: &[Vec<Copy<'_>>]) -> Vec<Finding> {
+    let sizes = ways.iter().enumerate();
+    let Some((usual, there)) = sizes.max_by_key(|(at, way)| (way.len(), ways.len() - at)) else {
+        return Vec::new();
+    };
+    let odd = ways.iter().enumerate().filter(|(at, _)| *at != usual);
+    odd.map(|(_, way)| finding(way, &there[0])).collect()
+}
+
+fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {
+    let here = &way[0];
+    let all = differences(&here.view(), &there.view());
+    let (block, other) = (here.block, there.block);
+    let path = &there.subject.source.path;
+    let message = match block.name == other.name {
+        true => {
+            format!("block `{}` is declared differently in {path}: {}", block.name, first(&all))
+        }
+        false => format!(
+            "block `{}` has the binding of `{}` in {path} but not its layout: {}",
+            block.name,
+            other.name,
+            first(&all)
+        ),
+    };
+    let at = all.first().and_then(|d| d.here).unwrap_or(block.span);
+    let mut finding =
+        Finding::new(LINT.code, block.name.as_ref(), place(here.subject, at), message);
+    let other_at = all.first().and_then(|d| d.there).unwrap_or(other.span);
+    finding = finding.with_related(place(there.subject, other_at), "the other copy");
+    finding = with_differences(finding, &all);
+    for copy in way.iter().skip(1).take(MOST_COPIES) {
+        let text = "declared the same way as here";
+        finding = finding.with_related(place(copy.subject, copy.block.span), text);
+    }
+    if way.len() > 1 + MOST_COPIES {
+        let more = way.len() - 1 - MOST_COPIES;
+        finding = finding.with_note(format!("{more} more are declared the same way as here"));
+    }
+    finding.listing = listing(here.subject.shader, block);
+    finding.with_help(format!(
+        "declare `{}` as in {}, or in one file that both include",
+        block.name, there.subject.source.path
+    ))
+}
+
+/// The first difference, in words for the message.
+fn first(all: &[Difference]) -> String {
+    match all {
+        [] => "they are laid out differently".to_string(),
+        [only] => only.text.clone(),
+        [first, rest @ ..] => {
+            format!("{}, and {}", first.text, counted(rest.len() as u64, "more difference"))
+        }
+    }
+}
+
+/// The differences after the first as notes.
+fn with_differences(mut finding: Finding, all: &[Difference]) -> Finding {
+    for difference in all.iter().skip(1).take(MOST_NAMED) {
+        finding = finding.with_note(difference.text.clone());
+    }
+    if all.len() > 1 + MOST_NAMED {
+        finding =
+            finding.with_note(counted((all.len() - 1 - MOST_NAMED) as u64, "more difference"));
+    }
+    finding
+}

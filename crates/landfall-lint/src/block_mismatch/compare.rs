@@ -1,0 +1,222 @@
+//! Where two copies of one block, or of one structure, differ, leaf by leaf.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use landfall_layout::layout::{BlockLayout, Leaf};
+use landfall_layout::shape::{ArrayLen, Type};
+use landfall_layout::source::{Language, Span};
+
+/// A copy: leaves by the name they are compared by.
+pub(super) struct View<'a> {
+    /// Its leaves, in the order of the text.
+    pub leaves: Vec<Named<'a>>,
+    /// Bytes it takes up, or one element of it.
+    pub size: Option<u64>,
+    pub language: Language,
+}
+
+/// A leaf of a copy.
+pub(super) struct Named<'a> {
+    /// What it is called in every copy.
+    pub name: String,
+    /// From the start of the copy; `None` for loose uniforms.
+    pub offset: Option<u64>,
+    /// Dimensions and strides below the start of the copy.
+    pub dims: &'a [ArrayLen],
+    pub strides: &'a [u64],
+    pub leaf: &'a Leaf,
+}
+
+/// A way in which two copies differ.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Difference {
+    /// What differs, with both numbers, the copy at hand first.
+    pub text: String,
+    /// The leaf in the copy at hand, and in the other.
+    pub here: Option<Span>,
+    pub there: Option<Span>,
+    /// Whether it is a name only: every byte means the same.
+    pub cosmetic: bool,
+}
+
+/// A whole block.
+pub(super) fn view(block: &BlockLayout, language: Language) -> View<'_> {
+    let leaves = block.leaves.iter().map(|leaf| Named {
+        name: leaf.path.clone(),
+        offset: leaf.offset,
+        dims: &leaf.dims,
+        strides: &leaf.strides,
+        leaf,
+    });
+    View { leaves: leaves.collect(), size: block.size, language }
+}
+
+/// Whether two blocks are declared alike, without a word on the difference.
+pub(super) fn alike(a: &BlockLayout, b: &BlockLayout) -> bool {
+    a.leaves.len() == b.leaves.len()
+        && a.leaves.iter().zip(&b.leaves).all(|(a, b)| {
+            a.offset == b.offset
+                && a.path == b.path
+                && a.ty == b.ty
+                && a.dims == b.dims
+                && a.strides == b.strides
+                && a.matrix_stride == b.matrix_stride
+                && a.row_major == b.row_major
+        })
+}
+
+/// How many leaves two copies share by name and type.
+pub(super) fn shared(a: &View<'_>, b: &View<'_>) -> usize {
+    let theirs = by_name(b);
+    let is_shared = |leaf: &&Named<'_>| {
+        theirs.get(leaf.name.as_str()).is_some_and(|twin| twin.leaf.ty == leaf.leaf.ty)
+    };
+    a.leaves.iter().filter(is_shared).count()
+}
+
+fn by_name<'v>(view: &'v View<'_>) -> FxHashMap<&'v str, &'v Named<'v>> {
+    view.leaves.iter().map(|leaf| (leaf.name.as_str(), leaf)).collect()
+}
+
+/// Whether one is the start of the other: its leaves are the first ones there, in the same place.
+pub(super) fn is_head(a: &View<'_>, b: &View<'_>) -> bool {
+    let (short, long) = if a.leaves.len() <= b.leaves.len() { (a, b) } else { (b, a) };
+    !short.leaves.is_empty()
+        && short.leaves.iter().zip(&long.leaves).all(|(a, b)| a.name == b.name && same(a, b))
+}
+
+/// Whether bytes of one are read as something else in the other: where they overlap, they are not
+/// the same leaf but for the name.
+pub(super) fn collide(a: &View<'_>, b: &View<'_>) -> bool {
+    // Blocks of that many members are no uniform blocks that anyone would bind.
+    if a.leaves.len().saturating_mul(b.leaves.len()) > 1_000_000 {
+        return false;
+    }
+    let first = |leaf: &Named<'_>| Some((leaf.offset?, leaf.offset? + leaf.leaf.size?));
+    a.leaves.iter().any(|a| {
+        b.leaves.iter().any(|b| match (first(a), first(b)) {
+            (Some((a0, a1)), Some((b0, b1))) => a0 < b1 && b0 < a1 && !same(a, b),
+            (None, _) | (_, None) => false,
+        })
+    })
+}
+
+/// Whether two leaves have the same bytes.
+fn same(a: &Named<'_>, b: &Named<'_>) -> bool {
+    a.offset == b.offset
+        && a.leaf.ty == b.leaf.ty
+        && a.dims == b.dims
+        && a.strides == b.strides
+        && a.leaf.matrix_stride == b.leaf.matrix_stride
+        && a.leaf.row_major == b.leaf.row_major
+}
+
+/// Every difference, in the order of the copy at hand, then what only the other has.
+pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> {
+    let mut found = Vec::new();
+    let ours = by_name(here);
+    let theirs = by_name(there);
+    let mut by_offset: FxHashMap<Option<u64>, Vec<&Named<'_>>> = FxHashMap::default();
+    for leaf in &there.leaves {
+        by_offset.entry(leaf.offset).or_default().push(leaf);
+    }
+    let other = |name: &str| theirs.get(name).copied();
+    let known = |name: &str| ours.contains_key(name);
+    let mut renamed: FxHashSet<&str> = FxHashSet::default();
+    for leaf in &here.leaves {
+        if let Some(twin) = other(&leaf.name) {
+            if let Some(text) = moved(leaf, twin, here.language, there.language) {
+                found.push(difference(text, Some(leaf), Some(twin)));
+            }
+            continue;
+        }
+        let there = by_offset.get(&leaf.offset).map_or(&[][..], Vec::as_slice);
+        // Loose uniforms all lack an offset: a name is all that tells them apart.
+        let twin = there.iter().find(|t| leaf.offset.is_some() && !known(&t.name) && same(leaf, t));
+        match twin {
+            Some(twin) => {
+                renamed.insert(&twin.name);
+                let text = format!(
+                    "the {} is named `{}` here and `{}` there",
+                    described(leaf, here.language),
+                    leaf.name,
+                    twin.name
+                );
+                let difference = difference(text, Some(leaf), Some(twin));
+                found.push(Difference { cosmetic: true, ..difference });
+            }
+            None => {
+                let what = described(leaf, here.language);
+                let text = format!("`{}` ({what}) is only here", leaf.name);
+                found.push(difference(text, Some(leaf), None));
+            }
+        }
+    }
+    for leaf in &there.leaves {
+        if !known(&leaf.name) && !renamed.contains(leaf.name.as_str()) {
+            let what = described(leaf, there.language);
+            let text = format!("`{}` ({what}) is only there", leaf.name);
+            found.push(difference(text, None, Some(leaf)));
+        }
+    }
+    found
+}
+
+fn difference(text: String, here: Option<&Named<'_>>, there: Option<&Named<'_>>) -> Difference {
+    Difference {
+        text,
+        here: here.map(|leaf| leaf.leaf.span),
+        there: there.map(|leaf| leaf.leaf.span),
+        cosmetic: false,
+    }
+}
+
+/// How a leaf that both copies have differs.
+fn moved(here: &Named<'_>, there: &Named<'_>, ours: Language, theirs: Language) -> Option<String> {
+    let mut parts = Vec::new();
+    let name = &here.name;
+    if here.leaf.ty != there.leaf.ty || here.dims != there.dims {
+        let (a, b) = (spelled(here, ours), spelled(there, theirs));
+        parts.push(format!("is a {a} here and a {b} there"));
+    }
+    // A loose uniform has no offset to differ.
+    if let (Some(a), Some(b)) = (here.offset, there.offset) {
+        if a != b {
+            parts.push(format!("is at offset {a} here and {b} there"));
+        }
+    }
+    let strides = |leaf: &Named<'_>| {
+        leaf.strides.iter().map(u64::to_string).collect::<Vec<_>>().join(" and ")
+    };
+    if here.strides.len() == there.strides.len() && here.strides != there.strides {
+        let (a, b) = (strides(here), strides(there));
+        parts.push(format!("has an array stride of {a} here and {b} there"));
+    }
+    if here.leaf.ty == there.leaf.ty {
+        if let (Some(a), Some(b)) = (here.leaf.matrix_stride, there.leaf.matrix_stride) {
+            if a != b {
+                parts.push(format!("has a matrix stride of {a} here and {b} there"));
+            }
+        }
+        if here.leaf.row_major != there.leaf.row_major {
+            let word = |row: bool| if row { "row-major" } else { "column-major" };
+            let (a, b) = (word(here.leaf.row_major), word(there.leaf.row_major));
+            parts.push(format!("is {a} here and {b} there"));
+        }
+    }
+    (!parts.is_empty()).then(|| format!("`{name}` {}", parts.join(", ")))
+}
+
+/// `vec3` at offset 16.
+fn described(leaf: &Named<'_>, language: Language) -> String {
+    let ty = spelled(leaf, language);
+    leaf.offset.map_or_else(|| ty.clone(), |offset| format!("{ty} at offset {offset}"))
+}
+
+fn spelled(leaf: &Named<'_>, language: Language) -> String {
+    let mut ty: Type = leaf.leaf.ty.clone();
+    for len in leaf.dims.iter().rev() {
+        ty = Type::Array { element: std::sync::Arc::new(ty), len: len.clone() };
+    }
+    format!("`{}`", ty.spelled(language))
+}

@@ -1,0 +1,66 @@
+//! `bool-in-block`: a truth value of four bytes.
+
+use super::walk::{Visit, members};
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::shape::{Scalar, ScalarKind, Type};
+
+pub(super) const LINT: Lint = Lint {
+    code: "bool-in-block",
+    // Legal GLSL with one layout; wrong only if the copy is.
+    level: Level::Allow,
+    what: "a `bool` in a block: it is 4 bytes there, and 1 on the CPU",
+    why: "A `bool` in a GLSL block is as large as a `uint`, true for every value but 0. A `bool` \
+          in Rust, C and C++ is 1 byte: everything after it is read from the wrong byte, and the \
+          3 bytes beside it decide whether it is true. WGSL has none in buffers, and naga 30 \
+          takes it for 1 byte. Allowed unless asked for, because the layout is defined.",
+    example: "\
+#version 330 core
+layout(std140) uniform Fog {
+    vec3 color;
+    bool enabled; // 4 bytes
+};
+void main() {}
+",
+    fix: "declare a `uint` and compare it with 0; in a copy, write a 32-bit 0 or 1",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    let visits = members(subject.shader);
+    visits.iter().filter_map(|visit| truth(subject, visit)).collect()
+}
+
+fn truth(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
+    let member = visit.member();
+    let (components, instead) = match *member.ty.innermost() {
+        Type::Scalar(Scalar { kind: ScalarKind::Bool, .. }) => (1, Type::Scalar(Scalar::U32)),
+        Type::Vector { scalar: Scalar { kind: ScalarKind::Bool, .. }, rows } => {
+            (u64::from(rows), Type::Vector { scalar: Scalar::U32, rows })
+        }
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Struct(_)
+        | Type::Array { .. } => return None,
+    };
+    let language = subject.shader.language;
+    let message = format!(
+        "`{}` is a `{}` of {} bytes: on the CPU it is {components}",
+        member.name,
+        member.ty.innermost().spelled(language),
+        4 * components,
+    );
+    let instead = super::vec3_array::with_innermost(&member.ty, &instead);
+    Some(
+        visit
+            .finding(subject, LINT.code, message)
+            .with_text(format!("{} bytes", 4 * components))
+            .with_help(format!(
+                "declare `{}`, the same bytes, and compare with 0",
+                super::walk::declared(&member.name, &instead, language),
+            )),
+    )
+}

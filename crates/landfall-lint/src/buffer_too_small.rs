@@ -1,0 +1,172 @@
+//! `buffer-too-small`: sizes and offsets somebody wrote down by hand, held against the layout.
+
+use super::settings::{Figure, Row, Table};
+use super::show::{bytes, is_called, is_declared, listing, place};
+use super::{Check, Lint, Settings, Subject, glob};
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::layout::explain::explain;
+use landfall_layout::text::edit_distance::nearest;
+
+pub(super) const LINT: Lint = Lint {
+    code: "buffer-too-small",
+    level: Level::Deny,
+    what: "a size or offset written down in the configuration is not what the layout says",
+    why: "Host code that computes a buffer's size by hand (`48 * 128 + 4`) leaves out the padding \
+          behind the last member, and the driver refuses the buffer or reads past its end; a \
+          table of names and offsets goes stale when a member moves, and every upload after it \
+          lands on other members. A larger buffer than needed is fine. A table that names no \
+          block or no member any more is reported too: it guards nothing.",
+    example: "#version 330 core\n\
+              // Checked with the table `PointLightBlock`, size 48 * 128 + 4.\n\
+              struct PointLight { vec3 pos; vec3 color; float intensity; vec3 fade; };\n\
+              layout(std140) uniform PointLightBlock {\n    \
+              PointLight data[128];\n    \
+              int count;\n\
+              } u_lights;\n\
+              out vec4 shade;\n\
+              void main() { shade = vec4(u_lights.data[0].color, 1.0); }\n",
+    fix: "Write the number the layout says, both in the host code and in the table.",
+    check: Check::Tree(check),
+};
+
+fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
+    settings.tables.iter().flat_map(|table| held_against(table, subjects)).collect()
+}
+
+fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
+    let files = || subjects.iter().filter(|s| glob::matches(&table.file, &s.source.path));
+    let blocks = || {
+        files().flat_map(|subject| {
+            let declared = subject.shader.blocks.iter();
+            declared.filter(|b| is_declared(b, subject.options)).map(move |block| (subject, block))
+        })
+    };
+    let meant: Vec<_> = blocks().filter(|(_, block)| is_called(block, &table.block)).collect();
+    if meant.is_empty() {
+        let names = blocks()
+            .flat_map(|(_, block)| std::iter::once(&*block.name).chain(block.instance.as_deref()));
+        return vec![unknown_block(table, files().count(), names)];
+    }
+    let mut found: Vec<Finding> = Vec::new();
+    for (subject, block) in meant {
+        let wrong_rows = table.offsets.iter().filter_map(|row| wrong(subject, block, table, row));
+        for finding in too_small(subject, block, table).into_iter().chain(wrong_rows) {
+            // Each stage declares the block again; the table is wrong once.
+            let told =
+                found.iter_mut().find(|f| f.place == finding.place && f.about == finding.about);
+            match told {
+                Some(told) if told.message == finding.message => {
+                    told.related.extend(finding.related);
+                }
+                Some(_) | None => found.push(finding),
+            }
+        }
+    }
+    found
+}
+
+fn unknown_block<'a>(table: &Table, files: usize, names: impl Iterator<Item = &'a str>) -> Finding {
+    let message = match (files, table.file.is_empty()) {
+        (0, false) => format!("no shader matches `{}`", table.file),
+        (_, true) => format!("no shader has a block `{}`", table.block),
+        (_, false) => {
+            format!("no shader that matches `{}` has a block `{}`", table.file, table.block)
+        }
+    };
+    let finding = Finding::new(LINT.code, table.block.as_str(), table.place.clone(), message);
+    match nearest(&table.block, names) {
+        Some(name) => finding.with_help(format!("did you mean `{name}`?")),
+        None => finding,
+    }
+}
+
+fn too_small(subject: &Subject<'_>, block: &BlockLayout, table: &Table) -> Option<Finding> {
+    let figure = table.size.as_ref()?;
+    let size = block.size.filter(|&size| size > figure.bytes)?;
+    let message = format!(
+        "{} for block `{}`, but it needs {}",
+        spelled(figure, "bytes"),
+        block.name,
+        bytes(size)
+    );
+    let mut finding = Finding::new(
+        LINT.code,
+        format!("{} size", block.name),
+        or(&figure.place, &table.place),
+        message,
+    )
+    .with_text(format!("{} too few", bytes(size - figure.bytes)))
+    .with_related(place(subject, block.span), format!("{} by {}", bytes(size), block.rules.name()));
+    if let Some(tail) = tail(block).filter(|tail| size - figure.bytes <= tail.size) {
+        finding = finding.with_note(format!(
+            "the last member ends at byte {}; {} of tail padding belong to the block",
+            tail.offset,
+            bytes(tail.size)
+        ));
+    }
+    finding.listing = listing(subject.shader, block);
+    Some(finding.with_help(format!("write {size}")))
+}
+
+/// The padding behind the last member.
+fn tail(block: &BlockLayout) -> Option<Tail> {
+    let (size, end) = (block.size?, block.data_size?);
+    (size > end).then_some(Tail { offset: end, size: size - end })
+}
+
+struct Tail {
+    offset: u64,
+    size: u64,
+}
+
+fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -> Option<Finding> {
+    let at = or(&row.offset.place, &table.place);
+    let about = format!("{}.{}", block.name, row.path);
+    let found = match explain(block, &row.path, subject.shader.language) {
+        Ok(found) => found,
+        Err(fault) => {
+            let message = format!("{}: {}", table.block, fault.kind);
+            let finding = Finding::new(LINT.code, about, at, message)
+                .with_related(place(subject, block.span), "the block");
+            return Some(match fault.kind.help() {
+                Some(help) => finding.with_help(help),
+                None => finding,
+            });
+        }
+    };
+    if found.offset == row.offset.bytes {
+        return None;
+    }
+    let message = format!(
+        "`{}` of block `{}` is written down at offset {}, but it is at {}",
+        row.path,
+        block.name,
+        written(&row.offset),
+        found.offset
+    );
+    let mut finding = Finding::new(LINT.code, about, at, message)
+        .with_text(format!("the shader reads it from byte {}", found.offset))
+        .with_related(place(subject, block.span), format!("laid out by {}", block.rules.name()))
+        .with_help(format!("write {}", found.offset));
+    finding.listing = listing(subject.shader, block);
+    Some(finding)
+}
+
+/// `48 * 128 + 4 = 6148 bytes are made`.
+fn spelled(figure: &Figure, unit: &str) -> String {
+    format!("{} {unit} are made", written(figure))
+}
+
+fn written(figure: &Figure) -> String {
+    let number = figure.bytes.to_string();
+    match figure.written.trim() {
+        text if text.is_empty() || text == number => number,
+        text => format!("{text} = {number}"),
+    }
+}
+
+/// A figure's own place, or the table's where it has none.
+fn or(own: &Place, table: &Place) -> Place {
+    if own.path.is_empty() { table.clone() } else { own.clone() }
+}

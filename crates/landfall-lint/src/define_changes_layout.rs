@@ -1,0 +1,213 @@
+//! `define-changes-layout`: a block that is laid out otherwise under other macros.
+//!
+//! The only lint that lays a shader out again: once for each permutation in the
+//! settings that names a macro its files mention.
+
+use rustc_hash::FxHashMap;
+
+use super::show::full_listing;
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level, Place};
+pub use landfall_layout::layout::measure::fixed;
+use landfall_layout::layout::{BlockLayout, Leaf};
+use landfall_layout::source::{Language, Span};
+use landfall_layout::{Options, Severity, ShaderLayout};
+
+pub(super) const LINT: Lint = Lint {
+    code: "define-changes-layout",
+    // Silent until permutations are configured; whoever does that wants to know.
+    level: Level::Warn,
+    what: "a block whose layout changes under the macros of a permutation",
+    why: "One shader is compiled with several sets of macros, one buffer is filled for all of \
+          them: if an `#ifdef` adds a member or changes an array's length, every variant but one \
+          reads from the wrong byte. A block that is there in one variant only is no finding: it \
+          has its own buffer.",
+    example: "\
+#version 330 core
+layout(std140) uniform Light {
+    vec3 color;
+#ifdef SHADOWS
+    mat4 shadow_matrix;
+#endif
+    float intensity; // 12, or 80 with SHADOWS
+};
+void main() {}
+",
+    fix: "declare the member in every variant, or move members that come and go to the end or \
+          into a block of their own",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
+    // WGSL has no preprocessor.
+    if subject.shader.language == Language::Wgsl {
+        return Vec::new();
+    }
+    let mut findings: Vec<Finding> = Vec::new();
+    for macros in settings.permutations.iter().filter(|macros| mentioned(subject, macros)) {
+        let name = permutation_name(macros);
+        let mut options = Options { naga: false, ..subject.options.clone() };
+        // Of two definitions of one name the later holds, as with `-D`.
+        options.read.defines.retain(|(name, _)| macros.iter().all(|(other, _)| other != name));
+        options.read.defines.extend(macros.iter().cloned());
+        let other = landfall_layout::layout(subject.source, &options);
+        if other.has_errors() {
+            findings.push(refused(subject, &other, &name));
+            continue;
+        }
+        // Loose uniforms are set one by one: they have no layout.
+        for block in subject.shader.blocks.iter().filter(|block| block.size.is_some()) {
+            let copy = other.blocks.iter().find(|o| o.name == block.name && o.space == block.space);
+            let known = findings.iter_mut().find(|finding| finding.about == *block.name);
+            let Some(change) = copy.and_then(|copy| change(subject, block, copy, &other)) else {
+                continue;
+            };
+            match known {
+                Some(known) => known.notes.push(format!("under `{name}` too")),
+                None => findings.push(changed(subject, block, &change, &name)),
+            }
+        }
+    }
+    findings
+}
+
+/// Whether any file of the shader has a word that is one of the macros.
+fn mentioned(subject: &Subject<'_>, macros: &[(String, String)]) -> bool {
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    let in_text = |text: &str, name: &str| {
+        text.match_indices(name).any(|(at, _)| {
+            !text[..at].ends_with(word) && !text[at + name.len()..].starts_with(word)
+        })
+    };
+    macros.iter().any(|(name, _)| {
+        !name.is_empty() && subject.shader.files.iter().any(|file| in_text(&file.text, name))
+    })
+}
+
+/// `SHADOWS`, `LIGHTS=8 SHADOWS`.
+fn permutation_name(macros: &[(String, String)]) -> String {
+    let one = |(name, text): &(String, String)| match text.as_str() {
+        "" | "1" => name.clone(),
+        text => format!("{name}={text}"),
+    };
+    macros.iter().map(one).collect::<Vec<_>>().join(" ")
+}
+
+/// The first difference of two layouts of one block.
+struct Change {
+    /// What, with both numbers.
+    text: String,
+    /// The member it shows at.
+    span: Option<Span>,
+    /// The other layout, to look at.
+    listing: Option<String>,
+}
+
+fn change(
+    subject: &Subject<'_>,
+    block: &BlockLayout,
+    other: &BlockLayout,
+    shader: &ShaderLayout,
+) -> Option<Change> {
+    let (text, span) = first_difference(subject, block, other)?;
+    Some(Change { text, span, listing: full_listing(shader, other) })
+}
+
+fn first_difference(
+    subject: &Subject<'_>,
+    block: &BlockLayout,
+    other: &BlockLayout,
+) -> Option<(String, Option<Span>)> {
+    let language = subject.shader.language;
+    let by_path = |block: &'_ BlockLayout| -> FxHashMap<String, usize> {
+        let paths = block.leaves.iter().enumerate();
+        paths.map(|(index, leaf)| (leaf.path.clone(), index)).collect()
+    };
+    let there = by_path(other);
+    for leaf in &block.leaves {
+        let Some(there) = there.get(&leaf.path).map(|&index| &other.leaves[index]) else {
+            return Some((format!("`{}` is gone", leaf.path), Some(leaf.span)));
+        };
+        if let Some(text) = differs(leaf, there, language) {
+            return Some((format!("`{}` {text}", leaf.path), Some(leaf.span)));
+        }
+    }
+    let here = by_path(block);
+    if let Some(new) = other.leaves.iter().find(|new| !here.contains_key(&new.path)) {
+        let at = new.offset.map(|offset| format!(" at {offset}")).unwrap_or_default();
+        return Some((format!("`{}` is added{at}", new.path), None));
+    }
+    let (old, new) = (block.size?, other.size?);
+    (old != new).then(|| (format!("it is {new} bytes instead of {old}"), None))
+}
+
+fn differs(leaf: &Leaf, there: &Leaf, language: Language) -> Option<String> {
+    if let (Some(here), Some(there)) = (leaf.offset, there.offset) {
+        if here != there {
+            return Some(format!("is at {there} instead of {here}"));
+        }
+    }
+    if leaf.ty != there.ty {
+        let (here, there) = (leaf.ty.spelled(language), there.ty.spelled(language));
+        return Some(format!("is a `{there}` instead of a `{here}`"));
+    }
+    if leaf.strides != there.strides {
+        let pair = leaf.strides.iter().zip(&there.strides).find(|(a, b)| a != b);
+        return Some(match pair {
+            Some((here, there)) => format!("has stride {there} instead of {here}"),
+            None => "has other array dimensions".to_string(),
+        });
+    }
+    if leaf.dims != there.dims {
+        let lengths = leaf.dims.iter().zip(&there.dims).find(|(a, b)| a != b)?;
+        let count = |len| fixed(len).map_or("any number of".to_string(), |n| n.to_string());
+        return Some(format!("has {} elements instead of {}", count(lengths.1), count(lengths.0)));
+    }
+    if leaf.row_major != there.row_major {
+        let name = if there.row_major { "rows" } else { "columns" };
+        return Some(format!("is stored by {name}"));
+    }
+    (leaf.matrix_stride != there.matrix_stride).then(|| "has another matrix stride".to_string())
+}
+
+fn changed(subject: &Subject<'_>, block: &BlockLayout, change: &Change, name: &str) -> Finding {
+    let files = &subject.shader.files;
+    let message =
+        format!("block `{}` is laid out otherwise under `{name}`: {}", block.name, change.text);
+    let place = Place::of(files, change.span.unwrap_or(block.span));
+    let mut finding = Finding::new(LINT.code, &*block.name, place, message)
+        .with_text(change.text.clone())
+        .with_note(sizes(block, name))
+        .with_help(
+            "declare the same members in every variant, or move those that come and go into a \
+             block of their own",
+        );
+    finding.listing = change.listing.clone();
+    if change.span.is_some() {
+        finding = finding.with_related(Place::of(files, block.span), "the block");
+    }
+    finding
+}
+
+fn sizes(block: &BlockLayout, name: &str) -> String {
+    match block.size {
+        Some(size) => format!("without `{name}` the block is {size} bytes; the listing is with it"),
+        None => format!("the listing is with `{name}`"),
+    }
+}
+
+/// A permutation the shader does not survive.
+fn refused(subject: &Subject<'_>, other: &ShaderLayout, name: &str) -> Finding {
+    let fault = other.diagnostics.iter().find(|found| found.severity == Severity::Error);
+    let place = match fault.and_then(|fault| fault.labels.first()) {
+        Some(label) => Place::of(&other.files, label.span),
+        None => Place::file(&subject.shader.path),
+    };
+    let why = fault.map_or("", |fault| fault.message.as_str());
+    let message = format!("under `{name}` the shader cannot be laid out: {why}");
+    let finding = Finding::new(LINT.code, format!("under {name}"), place, message);
+    match fault.and_then(|fault| fault.help.clone()) {
+        Some(help) => finding.with_help(help),
+        None => finding,
+    }
+}

@@ -1,0 +1,199 @@
+//! `driver-disagrees`: leaves that a driver was seen to read from another byte.
+//!
+//! Reads the JSON report of `verify`, no more of it than it needs; the layouts
+//! of the same shaders, where given, say where in the text each leaf stands.
+
+use rustc_hash::FxHashMap;
+use serde::Deserialize;
+
+use super::show::full_listing;
+use super::{Check, Lint};
+use landfall_layout::ShaderLayout;
+use landfall_layout::error::Error;
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::layout::{BlockLayout, Leaf};
+
+pub(super) const LINT: Lint = Lint {
+    code: "driver-disagrees",
+    // Seen on a machine, not computed: wherever that driver runs, the upload is misread.
+    level: Level::Deny,
+    what: "leaves that a driver reads from another byte than the rules say",
+    why: "`verify` fills a block with known words and asks the driver what it sees. Where that is \
+          another word, either the driver is wrong or the rules are its own (`shared`, `packed`, \
+          or none at all): every upload made by the rules is misread there.",
+    example: "\
+#version 330 core
+uniform Light { // no std140: where `intensity` is, is up to the driver
+    vec3 color;
+    float intensity;
+};
+void main() {}
+",
+    fix: "declare std140 or std430; where they are declared, work around the construct that the \
+          driver gets wrong, and report it",
+    check: Check::Elsewhere,
+};
+
+/// The version of `verify`'s report that is read here.
+const SCHEMA_VERSION: u32 = 1;
+
+/// `verify`'s report, as far as it is read; further keys are passed over.
+#[derive(Debug, Deserialize)]
+pub struct Report {
+    shaders: Vec<Shader>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Shader {
+    path: String,
+    blocks: Vec<Block>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Block {
+    name: String,
+    readers: Vec<Reader>,
+}
+
+/// What one reader saw of a block.
+#[derive(Debug, Deserialize)]
+struct Reader {
+    /// `gl`, `gpu`, `cpu`.
+    reader: String,
+    /// The text that was run: `original`, `naga`.
+    form: String,
+    reads: Vec<Read>,
+    causes: Vec<Cause>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Read {
+    /// `data[3].color.y`.
+    path: String,
+    /// `data[].color`.
+    leaf: String,
+    /// Where the layout puts it, from the start of the block.
+    expected_byte: u64,
+    /// Where the reader found what it read; `None` when nothing of the upload was read.
+    byte_read: Option<u64>,
+}
+
+/// What the reader takes to be the reason.
+#[derive(Debug, Deserialize)]
+struct Cause {
+    leaf: String,
+    cause: String,
+}
+
+impl Report {
+    /// The shaders it is about.
+    pub fn paths(&self) -> impl Iterator<Item = &str> {
+        self.shaders.iter().map(|shader| shader.path.as_str())
+    }
+
+    /// The disagreements about the shaders whose layouts are known, one finding for each leaf and
+    /// reader.
+    pub fn findings<'s>(&self, known: &dyn Fn(&str) -> Option<&'s ShaderLayout>) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for shader in &self.shaders {
+            let Some(layout) = known(&shader.path) else { continue };
+            for block in &shader.blocks {
+                let Some(known) = layout.blocks.iter().find(|known| *known.name == block.name)
+                else {
+                    continue;
+                };
+                let leaves = by_leaf(block);
+                findings.extend(leaves.iter().map(|leaf| finding(block, leaf, (layout, known))));
+            }
+        }
+        findings
+    }
+}
+
+/// Reads a report.
+///
+/// # Errors
+/// The text is no report of `verify`, or one of a newer version.
+pub fn read(path: &str, text: &str) -> Result<Report, Error> {
+    /// Asked first: a newer report may have another form.
+    #[derive(Deserialize)]
+    struct Version {
+        schema_version: u32,
+    }
+    let refused = |cause: serde_json::Error| {
+        Error::new(path, format!("is no report of `landfall verify`: {cause}"))
+            .with_help("write it anew with `landfall verify --format json`")
+    };
+    let Version { schema_version } = serde_json::from_str(text).map_err(refused)?;
+    if schema_version > SCHEMA_VERSION {
+        let message = format!(
+            "is a report of schema version {schema_version}; this landfall reads {SCHEMA_VERSION}"
+        );
+        return Err(Error::new(path, message).with_help("use the landfall that wrote it"));
+    }
+    serde_json::from_str(text).map_err(refused)
+}
+
+/// What one reader read elsewhere of one leaf.
+struct Elsewhere<'r> {
+    reader: &'r Reader,
+    reads: Vec<&'r Read>,
+}
+
+/// The reads that disagree, in the order of the report.
+fn by_leaf(block: &Block) -> Vec<Elsewhere<'_>> {
+    let mut groups: Vec<Elsewhere<'_>> = Vec::new();
+    let mut index: FxHashMap<(&str, &str, &str), usize> = FxHashMap::default();
+    for reader in &block.readers {
+        for read in reader.reads.iter().filter(|read| read.byte_read != Some(read.expected_byte)) {
+            // Stages, and ways of reading, say the same once more.
+            let at =
+                *index.entry((&read.leaf, &reader.reader, &reader.form)).or_insert(groups.len());
+            match groups.get_mut(at) {
+                Some(group) if group.reads.iter().any(|other| other.path == read.path) => {}
+                Some(group) => group.reads.push(read),
+                None => groups.push(Elsewhere { reader, reads: vec![read] }),
+            }
+        }
+    }
+    groups
+}
+
+fn finding(
+    block: &Block,
+    elsewhere: &Elsewhere<'_>,
+    (shader, layout): (&ShaderLayout, &BlockLayout),
+) -> Finding {
+    let (first, reader) = (elsewhere.reads[0], elsewhere.reader);
+    let read = match first.byte_read {
+        Some(byte) => format!("from byte {byte} instead of {}", first.expected_byte),
+        None => format!("from no byte of the block; it is at {}", first.expected_byte),
+    };
+    let who = &reader.reader;
+    let message = format!("`{who}` reads `{}` of block `{}` {read}", first.path, block.name);
+    let leaf: Option<&Leaf> = layout.leaves.iter().find(|leaf| leaf.path == first.leaf);
+    let place = Place::of(&shader.files, leaf.map_or(layout.span, |leaf| leaf.span));
+    let about = format!("{}.{} in {who}", block.name, first.leaf);
+    let mut finding = Finding::new(LINT.code, about, place, message);
+    finding.listing = full_listing(shader, layout);
+    if !layout.rules_declared {
+        finding = finding
+            .with_note("the block declares no rules: its offsets are the driver's")
+            .with_help(format!("declare `layout({})`", layout.rules.name()));
+    }
+    if reader.form == "naga" {
+        finding = finding.with_note("what was run is the module that naga makes of the text");
+    }
+    if elsewhere.reads.len() > 1 {
+        let (values, are) = match elsewhere.reads.len() - 1 {
+            1 => ("1 further value".to_string(), "is"),
+            n => (format!("{n} further values"), "are"),
+        };
+        finding = finding
+            .with_note(format!("{values} of `{}` {are} read from other bytes too", first.leaf));
+    }
+    match reader.causes.iter().find(|cause| cause.leaf == first.leaf) {
+        Some(cause) => finding.with_note(cause.cause.clone()),
+        None => finding,
+    }
+}

@@ -1,0 +1,147 @@
+//! Edits of findings made: the texts they lead to, everything outside an edit byte for byte.
+//!
+//! Pure: the command writes what comes out, checks it again, and asks for the next round.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use landfall_layout::finding::{Edit, Finding};
+use landfall_layout::source::{Files, Span};
+
+/// A file with edits made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fixed {
+    /// The path as findings spell it.
+    pub path: String,
+    /// Its text before.
+    pub old: Arc<str>,
+    /// Its text after; never the same.
+    pub new: String,
+    /// Edits that were made.
+    pub edits: usize,
+}
+
+/// Applies every edit that does not touch another; findings whose edits overlap wait for the
+/// next round.
+///
+/// Earlier findings go first, each with all of its edits or none. An edit whose bytes are no
+/// longer at its line and column is not made; the same edit of two findings is made once.
+/// `text` is asked for each file once; a byte order mark it begins with counts no byte, as for
+/// lints, and stays. The files that change come back sorted by path.
+pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> Vec<Fixed> {
+    let mut targets: BTreeMap<&str, Option<Target<'_>>> = BTreeMap::new();
+    for finding in findings {
+        let mut edits: Vec<&Edit> = Vec::new();
+        for edit in &finding.fix {
+            if !edits.contains(&edit) {
+                edits.push(edit);
+            }
+            let path = edit.place.path.as_str();
+            targets.entry(path).or_insert_with(|| text(path).map(|text| Target::new(path, text)));
+        }
+        let fits = edits.iter().enumerate().all(|(i, edit)| {
+            let alone = edits[..i].iter().all(|other| !touch(edit, other));
+            let target = targets.get(edit.place.path.as_str()).and_then(Option::as_ref);
+            alone && target.is_some_and(|target| target.takes(edit))
+        });
+        if !fits {
+            continue;
+        }
+        for edit in edits {
+            if let Some(Some(target)) = targets.get_mut(edit.place.path.as_str()) {
+                target.put(edit);
+            }
+        }
+    }
+    targets.into_values().flatten().filter_map(Target::fixed).collect()
+}
+
+/// What a text may begin with that is none of it.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// A file and the edits to make in it.
+struct Target<'a> {
+    /// All of it.
+    old: Arc<str>,
+    /// Its text as lints see it.
+    files: Files,
+    /// By their first byte; an insertion comes before what is replaced there.
+    edits: BTreeMap<(u32, u32), &'a Edit>,
+}
+
+impl<'a> Target<'a> {
+    fn new(path: &str, text: Arc<str>) -> Target<'a> {
+        let mut files = Files::default();
+        let seen = match text.strip_prefix(BYTE_ORDER_MARK) {
+            Some(rest) => rest.into(),
+            None => Arc::clone(&text),
+        };
+        files.add(path, seen);
+        Target { old: text, files, edits: BTreeMap::new() }
+    }
+
+    fn text(&self) -> &str {
+        &self.files.get(0).expect("added when the target was made").text
+    }
+
+    /// Whether an edit means this text and leaves those of other findings alone.
+    fn takes(&self, edit: &Edit) -> bool {
+        let place = &edit.place;
+        let (start, end) = (place.start, place.end);
+        let text = self.text();
+        let inside = start <= end && text.get(start as usize..end as usize).is_some();
+        let at = |start: u32| {
+            let found = self.files.locate(Span { file: 0, start, end: start });
+            (found.line, found.column)
+        };
+        let stays = inside
+            && at(start) == (place.line, place.column)
+            && at(end) == (place.end_line, place.end_column);
+        // Those made do not touch one another, so only the nearest on either side can.
+        let before = self.edits.range(..=(start, u32::MAX)).next_back();
+        let after = self.edits.range((start, 0)..).next();
+        let near = before.into_iter().chain(after).map(|(_, other)| *other);
+        stays && near.into_iter().all(|other| other == edit || !touch(edit, other))
+    }
+
+    fn put(&mut self, edit: &'a Edit) {
+        let Edit { place, new } = edit;
+        if self.text()[place.start as usize..place.end as usize] != **new {
+            self.edits.insert((place.start, place.end), edit);
+        }
+    }
+
+    fn fixed(self) -> Option<Fixed> {
+        if self.edits.is_empty() {
+            return None;
+        }
+        let text = self.text();
+        let mut new = String::with_capacity(self.old.len());
+        if text.len() < self.old.len() {
+            new.push(BYTE_ORDER_MARK);
+        }
+        let mut at = 0;
+        for edit in self.edits.values() {
+            new.push_str(&text[at..edit.place.start as usize]);
+            new.push_str(&edit.new);
+            at = edit.place.end as usize;
+        }
+        new.push_str(&text[at..]);
+        let path = self.files.get(0)?.path.clone();
+        let Target { old, edits, .. } = self;
+        (*new != *old).then_some(Fixed { path, old, new, edits: edits.len() })
+    }
+}
+
+/// Whether two edits cannot be made without regard to one another: they share a byte, or one
+/// is an insertion where the other begins or ends.
+fn touch(a: &Edit, b: &Edit) -> bool {
+    let (a, b) = (&a.place, &b.place);
+    if a.path != b.path {
+        return false;
+    }
+    if a.start == a.end || b.start == b.end {
+        return a.start <= b.end && b.start <= a.end;
+    }
+    a.start < b.end && b.start < a.end
+}

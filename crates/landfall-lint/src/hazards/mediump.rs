@@ -1,0 +1,71 @@
+//! Positions whose precision the text itself lowers: the IR has no precision to see it by.
+
+use landfall_ir::analysis::hazards::{Certainty, Hazard, Kind};
+use landfall_ir::analysis::roles::{Held, Role};
+use landfall_layout::ShaderLayout;
+use landfall_layout::source::{Language, Span};
+
+/// Positions of lights that are `mediump` or `lowp` by the text.
+pub(super) fn hazards(shader: &ShaderLayout, lights: &[Held<'_>]) -> Vec<Hazard> {
+    if shader.language != Language::Glsl || !is_embedded(shader) {
+        return Vec::new();
+    }
+    let low = lowered_by_default(shader);
+    let mut found: Vec<Hazard> = Vec::new();
+    for light in lights {
+        let Some(part) = light.roles.part(Role::Position) else { continue };
+        let declared = before(shader, part.span);
+        let says = |word: &str| declared.split(|c: char| !c.is_alphanumeric()).any(|w| w == word);
+        let lowered = says("mediump") || says("lowp") || (low && !says("highp"));
+        if lowered && !found.iter().any(|known| known.span == part.span) {
+            found.push(Hazard {
+                kind: Kind::MediumpPosition,
+                id: "H22",
+                certainty: Certainty::Possible,
+                span: part.span,
+                about: light.full_path(part),
+                number: None,
+            });
+        }
+    }
+    found
+}
+
+/// Whether precisions mean something: in GLSL ES, or where the text serves both.
+fn is_embedded(shader: &ShaderLayout) -> bool {
+    let Some(text) = shader.files.get(0).map(|file| &file.text) else { return false };
+    let version = text.lines().find_map(|line| line.trim().strip_prefix("#version"));
+    match version.map(str::trim) {
+        Some(version) => version.ends_with("es") || version.starts_with("100"),
+        None => text.contains("GL_ES") || text.contains("precision "),
+    }
+}
+
+/// Whether the default for floats is below `highp`, whatever is defined.
+fn lowered_by_default(shader: &ShaderLayout) -> bool {
+    let mut lowered = false;
+    for file in shader.files.iter() {
+        for line in file.text.lines() {
+            let mut words = line.split_whitespace();
+            if words.next() != Some("precision") {
+                continue;
+            }
+            let precision = words.next();
+            if words.next().is_none_or(|ty| ty.trim_end_matches(';') != "float") {
+                continue;
+            }
+            match precision {
+                Some("mediump" | "lowp") => lowered = true,
+                _ => return false,
+            }
+        }
+    }
+    lowered
+}
+
+/// What stands before a member's name in its declaration.
+fn before(shader: &ShaderLayout, span: Span) -> &str {
+    let text = shader.files.get(span.file).map_or("", |file| &file.text);
+    let head = text.get(..span.start as usize).unwrap_or("");
+    head.rsplit([';', '{']).next().unwrap_or("")
+}

@@ -1,0 +1,33 @@
+//! `ungated-specular`: a highlight that shines through the surface.
+
+use super::{Check, Level, Lint};
+use landfall_ir::analysis::hazards::Kind;
+
+pub(crate) const LINT: Lint = Lint {
+    code: "ungated-specular",
+    // It is how the reference model is published.
+    level: Level::Allow,
+    what: "a highlight that is not cut off where the light is behind the surface",
+    why: "The mirrored direction may still point at the eye when the light is a little \
+          below the horizon: at a grazing view, a light 0.2 behind the surface adds 0.46 \
+          of its colour. It also keeps a renderer from skipping lights that a surface \
+          faces away from. Allowed unless asked for, because the reference model is \
+          published that way.",
+    example: "\
+#version 330 core
+struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };
+uniform PointLight light;
+in vec3 at;
+in vec3 normal;
+out vec4 color;
+uniform vec3 eye;
+void main() {
+    vec3 n = normalize(normal);
+    vec3 l = normalize(light.position - at);
+    float highlight = pow(max(dot(reflect(-l, n), normalize(eye - at)), 0.0), 32.0);
+    color = vec4(light.color * (max(dot(n, l), 0.0) + highlight), 1.0);
+}
+",
+    fix: "add the highlight only where `dot(n, l) > 0.0`",
+    check: Check::Hazard(Kind::UngatedSpecular),
+};

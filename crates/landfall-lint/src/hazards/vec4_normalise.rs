@@ -1,0 +1,32 @@
+//! `vec4-normalise`: a normal normalised together with its fourth component.
+
+use super::{Check, Level, Lint};
+use landfall_ir::analysis::hazards::Kind;
+
+pub(crate) const LINT: Lint = Lint {
+    code: "vec4-normalise",
+    // The fourth component is not zero for any matrix that moves.
+    level: Level::Warn,
+    what: "a transformed normal that is normalised as a `vec4`, its fourth component with it",
+    why: "The transposed inverse of a matrix that also moves gives a normal a fourth \
+          component, minus the dot product of normal and movement. Normalised with it \
+          the three others come out too short, by another amount at each vertex, and \
+          what is interpolated between them bends: by 3 degrees for a camera 2 away, by \
+          14 at 100. Normalising again in the fragment shader does not mend it.",
+    example: "\
+#version 330 core
+struct PointLight { vec3 position; vec3 color; };
+uniform PointLight light;
+uniform mat4 view;
+in vec3 normal;
+out vec3 toLight;
+out vec3 viewNormal;
+void main() {
+    viewNormal = normalize(transpose(inverse(view)) * vec4(normal, 0.0)).xyz;
+    toLight = light.position;
+    gl_Position = view * vec4(normal, 1.0);
+}
+",
+    fix: "use `mat3`, or take `.xyz` before normalising",
+    check: Check::Hazard(Kind::Vec4Normalise),
+};

@@ -1,0 +1,20 @@
+//! `lock-missing`: a shader with blocks has no lock. Found by [`crate::drift`].
+
+use super::{Check, Lint};
+use landfall_layout::finding::Level;
+
+pub(super) const LINT: Lint = Lint {
+    code: "lock-missing",
+    // A new shader is no fault; that nobody guards it is worth a word.
+    level: Level::Warn,
+    what: "a shader that has blocks or loose uniforms has no lock",
+    why: "Without a lock there is nothing to compare with: the next change of its layout is \
+          merged unseen.",
+    example: "#version 330 core\n\
+              layout(std140) uniform View {\n    \
+                  mat4 view;\n\
+              };\n\
+              void main() {}\n",
+    fix: "Write the lock with `landfall lock` and commit it with the shader.",
+    check: Check::Elsewhere,
+};

@@ -1,0 +1,62 @@
+//! `push-constant-limit`: push constants past the bytes every Vulkan device has.
+
+use super::show::{bytes, listing, place};
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::shape::AddressSpace;
+
+pub(super) const LINT: Lint = Lint {
+    code: "push-constant-limit",
+    level: Level::Deny,
+    what: "a stage's push constants end past byte 128",
+    why: "Vulkan guarantees 128 bytes of push constants (maxPushConstantsSize, Required Limits), \
+          for all stages of a pipeline together; many desktop drivers have 256, so it works there \
+          and the pipeline layout is invalid elsewhere. Where a stage's range starts does not \
+          help: it has to end by byte 128. Vulkan 1.4 guarantees 256; who asks for it can allow \
+          this lint.",
+    example: "#version 450\n\
+              layout(push_constant) uniform Push { mat4 model; mat4 view; vec4 tint; } pc;\n\
+              layout(location = 0) out vec4 color;\n\
+              void main() { color = pc.tint; }\n",
+    fix: "Move what changes less often than every draw into a uniform block, or multiply matrices \
+          before they are pushed.",
+    check: Check::Shader(check),
+};
+
+/// Vulkan 1.0 to 1.3, Required Limits: maxPushConstantsSize.
+const LIMIT: u64 = 128;
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    let blocks = subject.shader.blocks.iter();
+    let pushed = blocks.filter(|block| block.space == AddressSpace::PushConstant);
+    let over = pushed.filter_map(|block| {
+        // The range a pipeline declares need not cover the padding behind the last member.
+        let end = block.data_size.filter(|&end| end > LIMIT)?;
+        let message = format!(
+            "push constants `{}` end at byte {end}, but Vulkan guarantees only {}",
+            block.name,
+            bytes(LIMIT)
+        );
+        let at = place(subject, block.span);
+        let mut finding = Finding::new(LINT.code, block.name.as_ref(), at, message)
+            .with_text(format!("{} too many", bytes(end - LIMIT)))
+            .with_note("Vulkan 1.0 to 1.3: maxPushConstantsSize is at least 128; 256 in 1.4");
+        let past = block.members.iter().find(|member| {
+            let end = member
+                .offset
+                .map(|offset| offset + landfall_layout::layout::measure::reach(member));
+            end > Some(LIMIT)
+        });
+        if let Some(member) = past {
+            let end = member.offset.unwrap_or(0) + landfall_layout::layout::measure::reach(member);
+            let text = format!("the first member past it: it ends at byte {end}");
+            finding = finding.with_related(place(subject, member.span), text).with_help(format!(
+                "move `{}` and what follows it into a uniform block",
+                member.name
+            ));
+        }
+        finding.listing = listing(subject.shader, block);
+        Some(finding)
+    });
+    over.collect()
+}

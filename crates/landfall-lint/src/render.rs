@@ -1,0 +1,152 @@
+//! Findings of lints as text, one file a format, each reading only
+//! [`Finding`]s; places in them are paths, lines and columns, so a report
+//! merged from several runs reads like one of a single run.
+
+mod github;
+mod human;
+mod json;
+mod junit;
+mod sarif;
+mod short;
+mod stable;
+mod texts;
+
+/// JSON Schema (draft 2020-12) of the JSON report of `check`.
+pub const CHECK_SCHEMA: &str = include_str!("../schema/check.json");
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashSet;
+
+use landfall_layout::error::Error;
+use landfall_layout::finding::{Finding, Level};
+pub use landfall_layout::format::paint::Paint;
+
+pub use json::{REPORT_VERSION, ReadReport};
+
+/// A form findings are reported in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ReportFormat {
+    /// The lines in question, both numbers, the listing, and the edit that mends it.
+    Human,
+    /// `path:line:col: level[code] message`, one line a finding.
+    Short,
+    /// JSON as [`CHECK_SCHEMA`](super::CHECK_SCHEMA) describes it.
+    Json,
+    /// Workflow commands that GitHub shows as annotations.
+    Github,
+    /// SARIF 2.1.0.
+    Sarif,
+    /// JUnit's XML as Jenkins and GitLab read it.
+    Junit,
+}
+
+impl ReportFormat {
+    /// Every format.
+    pub const ALL: [ReportFormat; 6] = [
+        ReportFormat::Human,
+        ReportFormat::Short,
+        ReportFormat::Json,
+        ReportFormat::Github,
+        ReportFormat::Sarif,
+        ReportFormat::Junit,
+    ];
+
+    /// The name on the command line and in the configuration.
+    pub fn name(self) -> &'static str {
+        match self {
+            ReportFormat::Human => "human",
+            ReportFormat::Short => "short",
+            ReportFormat::Json => "json",
+            ReportFormat::Github => "github",
+            ReportFormat::Sarif => "sarif",
+            ReportFormat::Junit => "junit",
+        }
+    }
+
+    /// The format of that name.
+    pub fn from_name(name: &str) -> Option<ReportFormat> {
+        ReportFormat::ALL.into_iter().find(|format| format.name() == name)
+    }
+}
+
+/// What a report needs besides the findings.
+#[derive(Clone, Copy)]
+pub struct ReportOptions<'a> {
+    /// Colours, where the format has any.
+    pub paint: Paint,
+    /// The text of a file by its path as findings spell it, for excerpts.
+    pub text: &'a dyn Fn(&str) -> Option<Arc<str>>,
+    /// Shaders that were checked.
+    pub shaders: usize,
+}
+
+/// The findings in that format, in their order, each once.
+pub fn report(findings: &[Finding], format: ReportFormat, options: &ReportOptions<'_>) -> String {
+    let findings = &unique(findings)[..];
+    match format {
+        ReportFormat::Human => human::report(findings, options),
+        ReportFormat::Short => short::report(findings),
+        ReportFormat::Json => json::report(findings, options.shaders),
+        ReportFormat::Github => github::report(findings),
+        ReportFormat::Sarif => sarif::report(findings, options.shaders),
+        ReportFormat::Junit => junit::report(findings, options.shaders),
+    }
+}
+
+/// The findings as Markdown for the summary of a step on GitHub.
+pub fn github_summary(findings: &[Finding], options: &ReportOptions<'_>) -> String {
+    github::summary::markdown(&unique(findings), options.shaders)
+}
+
+/// The findings of a JSON report; `path` is for messages.
+///
+/// # Errors
+/// It is not JSON, not a report, cut off, or of a newer schema.
+pub fn read_json(path: &str, text: &str) -> Result<Vec<Finding>, Error> {
+    read_report(path, text).map(|report| report.findings)
+}
+
+/// The same with what else the report holds.
+///
+/// # Errors
+/// As [`read_json`].
+pub fn read_report(path: &str, text: &str) -> Result<ReadReport, Error> {
+    json::read(path, text)
+}
+
+/// An include that two shaders share is found fault with twice.
+fn unique(findings: &[Finding]) -> Vec<&Finding> {
+    let mut seen = FxHashSet::default();
+    findings.iter().filter(|finding| seen.insert(json::finding(finding))).collect()
+}
+
+/// `error`, `warning` or `note`: what other tools call a level.
+fn severity(level: Level) -> &'static str {
+    match level {
+        Level::Allow => "note",
+        Level::Warn => "warning",
+        Level::Deny => "error",
+    }
+}
+
+/// `1 error`, `2 errors`.
+fn counted(count: usize, noun: &str) -> String {
+    let s = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{s}")
+}
+
+/// `65 shaders: 2 errors, 1 warning`.
+fn totals(findings: &[&Finding], shaders: usize) -> String {
+    let count = |level| findings.iter().filter(|finding| finding.level == level).count();
+    let mut parts = Vec::new();
+    for level in [Level::Deny, Level::Warn, Level::Allow] {
+        if count(level) > 0 {
+            parts.push(counted(count(level), severity(level)));
+        }
+    }
+    if parts.is_empty() {
+        parts.push("no findings".to_string());
+    }
+    format!("{}: {}", counted(shaders, "shader"), parts.join(", "))
+}

@@ -1,0 +1,78 @@
+//! The summary of a step: all findings in a Markdown table.
+
+use crate::render::{severity, short, totals};
+use landfall_layout::finding::{Finding, Level};
+
+/// Bytes of rows; GitHub refuses a summary of more than 1 MiB.
+const MOST_BYTES: usize = 900 << 10;
+
+pub(in crate::render) fn markdown(findings: &[&Finding], shaders: usize) -> String {
+    let mut text = format!("### Landfall\n\n{}\n", totals(findings, shaders));
+    if findings.is_empty() {
+        return text;
+    }
+    text.push_str("\n| | place | lint | what |\n|---|---|---|---|\n");
+    let mut rows = 0;
+    for level in [Level::Deny, Level::Warn, Level::Allow] {
+        for finding in findings.iter().filter(|finding| finding.level == level) {
+            let row = row(finding);
+            if text.len() + row.len() > MOST_BYTES {
+                text.push_str(&format!("\n… and {} more\n", findings.len() - rows));
+                return text;
+            }
+            text.push_str(&row);
+            rows += 1;
+        }
+    }
+    text
+}
+
+fn row(finding: &Finding) -> String {
+    let mut what = cell(&finding.message);
+    if let Some(help) = &finding.help {
+        what.push_str(&format!("<br>help: {}", cell(help)));
+    }
+    format!(
+        "| {} | {} | {} | {what} |\n",
+        severity(finding.level),
+        code(&short::at(&finding.place)),
+        code(&finding.code),
+    )
+}
+
+/// Text of ours in a cell: what stands in backticks is code, the rest is only text.
+fn cell(text: &str) -> String {
+    let parts: Vec<&str> = text.split('`').collect();
+    if parts.len().is_multiple_of(2) {
+        return plain(text);
+    }
+    let part = |(i, part): (usize, &&str)| if i % 2 == 0 { plain(part) } else { code(part) };
+    parts.iter().enumerate().map(part).collect()
+}
+
+fn code(text: &str) -> String {
+    // In a code span a backslash stands for itself, even before a pipe that would end the cell.
+    let simple = !text.contains(['`', '|', '\\']) && !text.chars().any(char::is_control);
+    match text.trim() {
+        "" => plain(text),
+        trimmed if simple && trimmed == text => format!("`{text}`"),
+        _ => format!("<code>{}</code>", plain(text)),
+    }
+}
+
+/// Text in which no character means anything to Markdown or HTML.
+fn plain(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' => result.push_str("<br>"),
+            '\r' => {}
+            c if c.is_control() => result.push('\u{fffd}'),
+            '\\' | '`' | '|' | '<' | '>' | '&' | '*' | '_' | '[' | ']' | '~' | '#' | '!' | '$' => {
+                result.push_str(&format!("&#{};", u32::from(c)));
+            }
+            c => result.push(c),
+        }
+    }
+    result
+}

@@ -1,0 +1,115 @@
+//! JUnit's XML as Jenkins and GitLab read it: a suite for each file, a case for each finding.
+//!
+//! What fails the run is a failure, a warning is a skipped case, and one case stands for all
+//! shaders, so that a clean run has something to show.
+
+use super::{severity, short, stable};
+use landfall_layout::finding::{Finding, Level};
+
+pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
+    let numbers = stable::numbers(findings);
+    let mut suites: Vec<(&str, Vec<(&Finding, u32)>)> = Vec::new();
+    for (finding, number) in findings.iter().zip(numbers) {
+        let path = finding.place.path.as_str();
+        match suites.iter_mut().find(|(name, _)| *name == path) {
+            Some((_, cases)) => cases.push((finding, number)),
+            None => suites.push((path, vec![(finding, number)])),
+        }
+    }
+    let counts = Counts::of(findings);
+    let all = Counts { tests: counts.tests + 1, ..counts };
+    let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    text.push_str(&format!("<testsuites name=\"landfall\"{}>\n", all.attributes()));
+    let one = Counts { tests: 1, failures: 0, skipped: 0 };
+    text.push_str(&format!("  <testsuite name=\"landfall\"{}>\n", one.attributes()));
+    text.push_str(&format!(
+        "    <properties>\n      <property name=\"shaders\" value=\"{shaders}\"/>\n    </properties>\n"
+    ));
+    text.push_str("    <testcase classname=\"landfall\" name=\"all shaders were checked\"/>\n");
+    text.push_str("  </testsuite>\n");
+    for (path, cases) in suites {
+        let of_suite: Vec<&Finding> = cases.iter().map(|(finding, _)| *finding).collect();
+        let attributes = Counts::of(&of_suite).attributes();
+        text.push_str(&format!("  <testsuite name=\"{}\"{attributes}>\n", escaped(path)));
+        text.extend(cases.iter().map(|(finding, number)| case(finding, *number)));
+        text.push_str("  </testsuite>\n");
+    }
+    text.push_str("</testsuites>\n");
+    text
+}
+
+struct Counts {
+    tests: usize,
+    failures: usize,
+    skipped: usize,
+}
+
+impl Counts {
+    fn of(findings: &[&Finding]) -> Counts {
+        let failures = findings.iter().filter(|finding| finding.level == Level::Deny).count();
+        Counts { tests: findings.len(), failures, skipped: findings.len() - failures }
+    }
+
+    fn attributes(&self) -> String {
+        let Counts { tests, failures, skipped } = self;
+        format!(" tests=\"{tests}\" failures=\"{failures}\" errors=\"0\" skipped=\"{skipped}\"")
+    }
+}
+
+fn case(finding: &Finding, number: u32) -> String {
+    let mut name = format!("{} {}", finding.code, finding.about);
+    if number > 1 {
+        name.push_str(&format!(" ({number})"));
+    }
+    let path = escaped(&finding.place.path);
+    let line = match finding.place.line {
+        0 => String::new(),
+        line => format!(" line=\"{line}\""),
+    };
+    let message = escaped(&finding.message);
+    let outcome = match finding.level {
+        Level::Deny => format!(
+            "<failure type=\"{}\" message=\"{message}\">{}</failure>",
+            escaped(&finding.code),
+            escaped(&details(finding))
+        ),
+        Level::Allow | Level::Warn => {
+            format!("<skipped message=\"{}: {message}\"/>", severity(finding.level))
+        }
+    };
+    let name = escaped(name.trim_end());
+    format!(
+        "    <testcase classname=\"{path}\" name=\"{name}\" file=\"{path}\"{line}>\n      {outcome}\n    </testcase>\n"
+    )
+}
+
+/// All there is to say about a finding.
+fn details(finding: &Finding) -> String {
+    let mut lines = vec![short::line(finding)];
+    for related in &finding.related {
+        let text = if related.text.is_empty() { "see" } else { &related.text };
+        lines.push(format!("{text}: {}", short::at(&related.place)));
+    }
+    lines.extend(finding.notes.iter().map(|note| format!("note: {note}")));
+    lines.extend(finding.listing.iter().map(|listing| listing.trim_end().to_string()));
+    lines.extend(finding.help.iter().map(|help| format!("help: {help}")));
+    lines.join("\n")
+}
+
+/// Text for an attribute or between tags, of characters XML 1.0 has (its production 2).
+fn escaped(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => result.push_str("&amp;"),
+            '<' => result.push_str("&lt;"),
+            '>' => result.push_str("&gt;"),
+            '"' => result.push_str("&quot;"),
+            // A reader turns them into spaces in an attribute, and \r into \n anywhere.
+            '\t' | '\n' | '\r' => result.push_str(&format!("&#{};", u32::from(c))),
+            '\0'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => result.push('\u{fffd}'),
+            c => result.push(c),
+        }
+    }
+    result
+}

@@ -1,0 +1,197 @@
+//! SARIF 2.1.0, as GitHub's code scanning and editors read it.
+//!
+//! Lines and columns count from 1, columns in characters, as findings have them.
+
+mod uri;
+
+use serde_json::{Map, Value, json};
+
+use super::{severity, stable};
+use crate::{LINTS, Lint};
+use landfall_layout::finding::{Edit, Finding, Level, Place};
+pub use landfall_layout::format::json::to_lines;
+
+/// Where the schema this keeps to is published.
+const SCHEMA: &str =
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
+
+/// The name our fingerprints go by; what goes into them changes its version.
+const FINGERPRINT: &str = "landfall/v1";
+
+pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
+    let rules = Rules::of(findings);
+    let numbers = stable::numbers(findings);
+    let results: Vec<Value> = findings
+        .iter()
+        .zip(numbers)
+        .map(|(finding, number)| result(finding, number, &rules))
+        .collect();
+    let log = json!({
+        "$schema": SCHEMA,
+        "version": "2.1.0",
+        "runs": [{
+            "tool": {"driver": {
+                "name": env!("CARGO_PKG_NAME"),
+                "version": env!("CARGO_PKG_VERSION"),
+                "semanticVersion": env!("CARGO_PKG_VERSION"),
+                "shortDescription": plain(env!("CARGO_PKG_DESCRIPTION")),
+                "rules": rules.objects(),
+            }},
+            "columnKind": "unicodeCodePoints",
+            "properties": {"shaders": shaders},
+            "results": results,
+        }],
+    });
+    to_lines(&log, 0) + "\n"
+}
+
+/// The lints, then what else findings are called.
+struct Rules<'a> {
+    others: Vec<&'a str>,
+}
+
+impl<'a> Rules<'a> {
+    fn of(findings: &[&'a Finding]) -> Rules<'a> {
+        let mut others: Vec<&str> = findings
+            .iter()
+            .map(|finding| finding.code.as_str())
+            .filter(|code| LINTS.iter().all(|lint| lint.code != *code))
+            .collect();
+        others.sort_unstable();
+        others.dedup();
+        Rules { others }
+    }
+
+    fn index(&self, code: &str) -> usize {
+        LINTS.iter().position(|lint| lint.code == code).unwrap_or_else(|| {
+            let other = self.others.binary_search(&code);
+            LINTS.len() + other.expect("every code that is no lint's was gathered")
+        })
+    }
+
+    fn objects(&self) -> Vec<Value> {
+        let others = self.others.iter().map(|code| json!({"id": code}));
+        LINTS.iter().map(|lint| rule(lint)).chain(others).collect()
+    }
+}
+
+fn rule(lint: &Lint) -> Value {
+    let example = lint.example.trim_end();
+    json!({
+        "id": lint.code,
+        "shortDescription": plain(lint.what),
+        "fullDescription": plain(format!("{} {}", lint.what, lint.why).trim()),
+        "help": {
+            "text": format!("{}\n\n{}\n\nExample:\n\n{example}", lint.why, lint.fix),
+            "markdown": format!("{}\n\n{}\n\n```\n{example}\n```", lint.why, lint.fix),
+        },
+        "defaultConfiguration": {
+            "enabled": lint.level != Level::Allow,
+            "level": severity(lint.level),
+        },
+    })
+}
+
+fn result(finding: &Finding, number: u32, rules: &Rules<'_>) -> Value {
+    let mut object = Map::new();
+    let mut put = |key: &str, value: Value| object.insert(key.to_string(), value);
+    put("ruleId", finding.code.as_str().into());
+    put("ruleIndex", rules.index(&finding.code).into());
+    put("level", severity(finding.level).into());
+    put("message", message(&words(finding)));
+    put("locations", json!([{"physicalLocation": physical(&finding.place)}]));
+    if !finding.related.is_empty() {
+        let related = finding.related.iter().enumerate().map(|(i, related)| {
+            let mut location = json!({"id": i + 1, "physicalLocation": physical(&related.place)});
+            if !related.text.is_empty() {
+                location["message"] = message(&related.text);
+            }
+            location
+        });
+        put("relatedLocations", related.collect());
+    }
+    put("partialFingerprints", json!({FINGERPRINT: stable::fingerprint(finding, number)}));
+    // A region has a line; an edit without one is not made by `--fix` either.
+    if !finding.fix.is_empty() && finding.fix.iter().all(|edit| edit.place.line > 0) {
+        put("fixes", json!([fix(finding)]));
+    }
+    Value::Object(object)
+}
+
+/// The message with all that explains it: viewers show nothing else.
+fn words(finding: &Finding) -> String {
+    let mut lines = vec![finding.message.clone()];
+    lines.extend(finding.notes.iter().map(|note| format!("note: {note}")));
+    lines.extend(finding.help.iter().map(|help| format!("help: {help}")));
+    lines.join("\n")
+}
+
+/// A message: in those, braces are written twice (section 3.11.5).
+fn message(text: &str) -> Value {
+    json!({"text": text.replace('{', "{{").replace('}', "}}")})
+}
+
+/// A text that nothing is put into, as rules have them.
+fn plain(text: &str) -> Value {
+    json!({"text": text})
+}
+
+fn physical(place: &Place) -> Value {
+    let mut location = json!({"artifactLocation": artifact(&place.path)});
+    if place.line > 0 {
+        location["region"] = region(place);
+    }
+    location
+}
+
+fn artifact(path: &str) -> Value {
+    match uri::of(path) {
+        uri::Uri::Relative(uri) => json!({"uri": uri, "uriBaseId": "%SRCROOT%"}),
+        uri::Uri::Absolute(uri) => json!({"uri": uri}),
+    }
+}
+
+fn region(place: &Place) -> Value {
+    let mut region = json!({
+        "startLine": place.line,
+        "startColumn": place.column.max(1),
+        "endLine": place.end_line.max(place.line),
+        "endColumn": place.end_column.max(1),
+    });
+    // Who knows only line and column leaves the bytes at zero.
+    if place.end > 0 {
+        region["byteOffset"] = place.start.into();
+        region["byteLength"] = place.end.saturating_sub(place.start).into();
+    }
+    region
+}
+
+fn fix(finding: &Finding) -> Value {
+    let mut changes: Vec<(&str, Vec<Value>)> = Vec::new();
+    for edit in &finding.fix {
+        let path = edit.place.path.as_str();
+        match changes.iter_mut().find(|(known, _)| *known == path) {
+            Some((_, replacements)) => replacements.push(replacement(edit)),
+            None => changes.push((path, vec![replacement(edit)])),
+        }
+    }
+    let changes: Vec<Value> = changes
+        .into_iter()
+        .map(|(path, replacements)| {
+            json!({"artifactLocation": artifact(path), "replacements": replacements})
+        })
+        .collect();
+    let mut fix = json!({"artifactChanges": changes});
+    if let Some(help) = &finding.help {
+        fix["description"] = message(help);
+    }
+    fix
+}
+
+fn replacement(edit: &Edit) -> Value {
+    let mut replacement = json!({"deletedRegion": region(&edit.place)});
+    if !edit.new.is_empty() {
+        replacement["insertedContent"] = json!({"text": edit.new});
+    }
+    replacement
+}

@@ -1,0 +1,224 @@
+//! `reorder-saves`: the same members in another order take fewer bytes.
+//!
+//! The order is searched on sizes and alignments ([`order`]), then laid out by
+//! [`layout`](mod@landfall_layout::layout) like any other: only what that says is reported.
+
+mod order;
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashSet;
+
+use super::show::{bytes, full_listing};
+use super::walk::first_few;
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::layout::lay_out;
+use landfall_layout::layout::rules::{Cursor, extent};
+use landfall_layout::shape::{AddressSpace, Block, Majorness, Member, Rules, Struct, Type};
+use landfall_layout::source::Span;
+use landfall_layout::syntax as parse;
+
+pub(super) const LINT: Lint = Lint {
+    code: "reorder-saves",
+    // Order is often chosen for the reader; every copy has to follow a change of it.
+    level: Level::Allow,
+    what: "a block or structure that is smaller with its members in another order",
+    why: "A `vec3` or a matrix that follows a lone scalar starts at the next multiple of 16 and \
+          leaves a hole. The finding names the smallest order and the bytes it saves, for each \
+          element where it is a structure in an array. Allowed unless asked for: it is a waste, \
+          not a fault, and every copy of the structure has to follow the change. Never reported \
+          where an offset is written in the text.",
+    example: "\
+#version 330 core
+layout(std140) uniform Light {
+    float intensity; // 0
+    vec3 color;      // 16
+    float radius;    // 28
+    vec3 position;   // 32: 48 bytes
+};
+void main() {}
+",
+    fix: "declare the members in the order of the help, in every copy",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    let options = subject.options;
+    let mut shape = parse::parse(subject.source, &options.read, options.gather).shape;
+    shape.blocks.retain(|block| block.space != AddressSpace::Default);
+    // Where the driver decides, no number is sure.
+    shape.blocks.retain(|block| block.rules_declared || options.rules.is_some());
+    if let Some(rules) = options.rules {
+        shape.blocks.iter_mut().for_each(|block| block.rules = rules);
+    }
+    let mut findings: Vec<Finding> =
+        shape.blocks.iter().filter_map(|block| of_block(subject, block)).collect();
+    // Each structure that is tried lays its blocks out again.
+    let structures = structures(&shape.blocks);
+    let leaves = shape.blocks.iter().flat_map(|block| &block.members).map(|m| m.ty.leaves());
+    let leaves = leaves.fold(0u64, u64::saturating_add);
+    let tried = (MOST_LEAVES / leaves.max(1)) as usize;
+    for structure in structures.into_iter().take(tried) {
+        findings.extend(of_structure(subject, &structure, &shape.blocks));
+    }
+    // Two variables of one WGSL structure are two blocks of one declaration.
+    let mut said = FxHashSet::default();
+    findings.retain(|finding| said.insert(finding.about.clone()));
+    findings
+}
+
+/// Leaves laid out at most to try structures in another order: a text made to take long has more.
+const MOST_LEAVES: u64 = 200_000;
+
+fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
+    let order = order::smallest(&block.members, block.rules, block.majorness)?;
+    let old = lay_out(block).ok()?.size?;
+    let reordered = Block { members: order::apply(&block.members, &order), ..block.clone() };
+    let layout = lay_out(&reordered).ok()?;
+    let new = layout.size.filter(|&new| new < old)?;
+    let message = format!(
+        "block `{}` is {}: in another order its members take {new}",
+        block.name,
+        bytes(old),
+    );
+    let place = Place::of(&subject.shader.files, block.span);
+    let help = advice(&reordered.members, old, new, "");
+    let finding = Finding::new(LINT.code, &*block.name, place, message)
+        .with_note("every copy of the block has to follow the change")
+        .with_help(help);
+    Some(Finding { listing: full_listing(subject.shader, &layout), ..finding })
+}
+
+/// A structure, with one of the ways it is laid out.
+struct Use {
+    structure: Arc<Struct>,
+    rules: Rules,
+    majorness: Majorness,
+}
+
+/// The structures of all blocks, each once for every way it is laid out.
+fn structures(blocks: &[Block]) -> Vec<Use> {
+    let mut found = Vec::new();
+    let mut seen = FxHashSet::default();
+    for block in blocks {
+        collect(&block.members, block.rules, block.majorness, &mut seen, &mut found);
+    }
+    found
+}
+
+fn collect(
+    members: &[Member],
+    rules: Rules,
+    inherited: Majorness,
+    seen: &mut FxHashSet<(Span, Rules, Majorness)>,
+    found: &mut Vec<Use>,
+) {
+    for member in members {
+        let Type::Struct(structure) = member.ty.innermost() else { continue };
+        let majorness = member.majorness.unwrap_or(inherited);
+        if seen.insert((structure.span, rules, majorness)) {
+            collect(&structure.members, rules, majorness, seen, found);
+            found.push(Use { structure: structure.clone(), rules, majorness });
+        }
+    }
+}
+
+fn of_structure(subject: &Subject<'_>, one: &Use, blocks: &[Block]) -> Option<Finding> {
+    let structure = &one.structure;
+    // A structure without a name has nowhere to be reported at.
+    if structure.name.is_empty() {
+        return None;
+    }
+    let order = order::smallest(&structure.members, one.rules, one.majorness)?;
+    let members = order::apply(&structure.members, &order);
+    let old = stride(&structure.members, one)?;
+    let new = stride(&members, one).filter(|&new| new < old)?;
+    let replaced = |block: &Block| {
+        let members = with_structure(&block.members, structure, &members);
+        lay_out(&Block { members, ..block.clone() }).ok()?.size
+    };
+    let sizes: Option<Vec<(u64, u64)>> =
+        blocks.iter().map(|block| Some((lay_out(block).ok()?.size?, replaced(block)?))).collect();
+    // Other rules may want another order: nothing is gained where a block grows.
+    let sizes = sizes.filter(|sizes| sizes.iter().all(|(old, new)| new <= old))?;
+    let message =
+        format!("`{}` is {}: in another order its members take {new}", structure.name, bytes(old),);
+    let place = Place::of(&subject.shader.files, structure.span);
+    let mut finding = Finding::new(LINT.code, &*structure.name, place, message)
+        .with_help(advice(&members, old, new, " each"));
+    for (block, (old, new)) in blocks.iter().zip(sizes).filter(|(_, (old, new))| new < old) {
+        finding = finding.with_note(format!("block `{}` shrinks from {old} to {new}", block.name));
+    }
+    Some(finding.with_note("every copy of the structure has to follow the change"))
+}
+
+fn advice(members: &[Member], old: u64, new: u64, each: &str) -> String {
+    let names: Vec<String> = members.iter().map(|member| format!("`{}`", member.name)).collect();
+    let names = if names.len() <= MOST_NAMES { names.join(", ") } else { first_few(&names) };
+    format!("declare them as {names}: {} instead of {old}, {} saved{each}", bytes(new), old - new)
+}
+
+/// Longer orders are cut short in messages.
+const MOST_NAMES: usize = 24;
+
+/// The names of a structure's members in an order that takes fewer bytes, and how many it takes
+/// then, from one to the next; `None` where there is none.
+pub fn smaller_order(
+    structure: &Arc<Struct>,
+    rules: Rules,
+    majorness: Majorness,
+) -> Option<(Vec<Arc<str>>, u64)> {
+    let one = Use { structure: structure.clone(), rules, majorness };
+    let order = order::smallest(&structure.members, rules, majorness)?;
+    let members = order::apply(&structure.members, &order);
+    let old = stride(&structure.members, &one)?;
+    let new = stride(&members, &one).filter(|&new| new < old)?;
+    Some((members.into_iter().map(|member| member.name).collect(), new))
+}
+
+/// From one structure of those members to the next, or to the member behind it.
+fn stride(members: &[Member], one: &Use) -> Option<u64> {
+    let mut cursor = Cursor::new(one.rules);
+    for member in members {
+        cursor.place(member, one.majorness).ok()?;
+    }
+    let whole = cursor.structure().ok()?;
+    whole.align.round_up(whole.size?).ok()
+}
+
+/// The members with that structure's own members in another order, wherever it is.
+fn with_structure(members: &[Member], structure: &Arc<Struct>, new: &[Member]) -> Vec<Member> {
+    members
+        .iter()
+        .map(|member| Member { ty: replace(&member.ty, structure, new), ..member.clone() })
+        .collect()
+}
+
+fn replace(ty: &Type, structure: &Arc<Struct>, new: &[Member]) -> Type {
+    match ty {
+        Type::Array { element, len } => {
+            Type::Array { element: Arc::new(replace(element, structure, new)), len: len.clone() }
+        }
+        Type::Struct(s) => {
+            let members = match s.span == structure.span && s.name == structure.name {
+                true => new.to_vec(),
+                false => with_structure(&s.members, structure, new),
+            };
+            Type::Struct(Arc::new(Struct::new(s.name.clone(), members, s.opaque.clone(), s.span)))
+        }
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_) => ty.clone(),
+    }
+}
+
+/// Size and alignment of a member as the search sees it.
+fn footprint(member: &Member, rules: Rules, inherited: Majorness) -> Option<(u64, u64)> {
+    let extent = extent(&member.ty, rules, member.majorness.unwrap_or(inherited)).ok()?;
+    let align = member.align.map_or(1, |written| written.value).max(extent.align.bytes());
+    let size = extent.size?.max(member.size.map_or(0, |written| written.value));
+    Some((size, align))
+}

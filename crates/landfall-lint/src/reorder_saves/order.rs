@@ -1,0 +1,125 @@
+//! The order of members that ends earliest.
+//!
+//! Members of one size and alignment are alike, so a state of the search is how
+//! many of each kind stand already. What follows never ends earlier because a
+//! prefix ends later; so the earliest end of each state is enough, and the
+//! search is exact. With too many kinds for that the largest alignment comes
+//! first, and what fits into a hole goes there.
+
+use rustc_hash::FxHashMap;
+
+use super::footprint;
+use landfall_layout::shape::{Majorness, Member, Rules};
+
+/// States looked at; past it the order is built by a rule of thumb.
+const MOST_STATES: u64 = 20_000;
+
+/// Kinds of members that are ordered at all.
+const MOST_KINDS: usize = 1_000;
+
+/// Members alike: size, alignment, and their places in the text.
+struct Kind {
+    size: u64,
+    align: u64,
+    members: Vec<usize>,
+}
+
+/// An order that may be smaller; `None` where there is nothing to choose.
+pub(super) fn smallest(
+    members: &[Member],
+    rules: Rules,
+    majorness: Majorness,
+) -> Option<Vec<usize>> {
+    if members.len() < 3 || members.iter().any(|member| member.offset.is_some()) {
+        return None;
+    }
+    // Only the last member may be runtime-sized, and it stays there.
+    let free = match members.last().map(|member| footprint(member, rules, majorness)) {
+        Some(None) => members.len() - 1,
+        Some(Some(_)) | None => members.len(),
+    };
+    let mut kinds: Vec<Kind> = Vec::new();
+    for (index, member) in members[..free].iter().enumerate() {
+        let (size, align) = footprint(member, rules, majorness)?;
+        match kinds.iter().position(|kind| (kind.size, kind.align) == (size, align)) {
+            Some(kind) => kinds[kind].members.push(index),
+            None if kinds.len() == MOST_KINDS => return None,
+            None => kinds.push(Kind { size, align, members: vec![index] }),
+        }
+    }
+    let states = kinds.iter().fold(1u64, |n, k| n.saturating_mul(k.members.len() as u64 + 1));
+    let mut order =
+        if states <= MOST_STATES { exact(&kinds, states as usize) } else { by_thumb(&kinds) };
+    order.extend(free..members.len());
+    Some(order)
+}
+
+/// The members in that order.
+pub(super) fn apply(members: &[Member], order: &[usize]) -> Vec<Member> {
+    order.iter().map(|&index| members[index].clone()).collect()
+}
+
+/// The earliest end of every state, then back from the last: of equals, the later member last.
+fn exact(kinds: &[Kind], states: usize) -> Vec<usize> {
+    // A state is a number in a mixed base: digit `k` counts the members of kind `k` that stand.
+    let mut weights = Vec::with_capacity(kinds.len());
+    let mut weight = 1;
+    for kind in kinds {
+        weights.push(weight);
+        weight *= kind.members.len() + 1;
+    }
+    let count = |state: usize, k: usize| state / weights[k] % (kinds[k].members.len() + 1);
+    let mut ends = vec![u64::MAX; states];
+    ends[0] = 0;
+    for state in 1..states {
+        for (k, kind) in kinds.iter().enumerate().filter(|(k, _)| count(state, *k) > 0) {
+            ends[state] = ends[state].min(placed(ends[state - weights[k]], kind));
+        }
+    }
+    let mut order = Vec::new();
+    let mut state = states - 1;
+    while state > 0 {
+        let last = (0..kinds.len())
+            .filter(|&k| count(state, k) > 0)
+            .filter(|&k| placed(ends[state - weights[k]], &kinds[k]) == ends[state])
+            .max_by_key(|&k| kinds[k].members[count(state, k) - 1])
+            .expect("the earliest end was found by one of them");
+        order.push(kinds[last].members[count(state, last) - 1]);
+        state -= weights[last];
+    }
+    order.reverse();
+    order
+}
+
+fn by_thumb(kinds: &[Kind]) -> Vec<usize> {
+    let mut left: FxHashMap<usize, usize> =
+        kinds.iter().enumerate().map(|(k, kind)| (k, kind.members.len())).collect();
+    let (mut end, mut order) = (0, Vec::new());
+    while !left.is_empty() {
+        let hole = |kind: &Kind| end_of_padding(end, kind) - end;
+        let next = *left
+            .keys()
+            .min_by_key(|&&k| {
+                let kind = &kinds[k];
+                (hole(kind), u64::MAX - kind.align, u64::MAX - kind.size, k)
+            })
+            .expect("it is not empty");
+        let standing = left.get_mut(&next).expect("it was just found");
+        order.push(kinds[next].members[kinds[next].members.len() - *standing]);
+        *standing -= 1;
+        if *standing == 0 {
+            left.remove(&next);
+        }
+        end = placed(end, &kinds[next]);
+    }
+    order
+}
+
+/// The end of a member of that kind after `end`.
+fn placed(end: u64, kind: &Kind) -> u64 {
+    end_of_padding(end, kind).saturating_add(kind.size)
+}
+
+fn end_of_padding(end: u64, kind: &Kind) -> u64 {
+    end.checked_next_multiple_of(kind.align).unwrap_or(u64::MAX)
+}

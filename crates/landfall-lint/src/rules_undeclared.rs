@@ -1,0 +1,153 @@
+//! `rules-undeclared`: blocks whose offsets the driver chooses.
+
+use super::settings::Target;
+use super::show::{is_declared, may_be_vulkan, place};
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::shape::AddressSpace;
+use landfall_layout::source::Span;
+
+pub(super) const LINT: Lint = Lint {
+    code: "rules-undeclared",
+    level: Level::Warn,
+    what: "a block says neither std140 nor std430, so that the driver chooses its offsets",
+    why: "Without a qualifier a block is `shared` (GLSL 4.60 §4.4.5): each driver may place its \
+          members as it likes, and only asking it (glGetActiveUniformsiv) tells where they are. \
+          Offsets computed by anyone else, Landfall too, hold by luck. Vulkan's defaults are std140 \
+          and std430, so nothing is reported where `vulkan` is a target and no OpenGL is, nor in \
+          texts of version 4.50 on that could be Vulkan's as they stand: a binding on every block, \
+          no loose uniforms. \
+          `--fix` writes the qualifier where there was none: host code that asks the driver goes \
+          on working, as it is told the new offsets, and host code that does not can only have \
+          meant std140; but every stage of a program has to say the same, so fix them together. \
+          Where the text says `shared` or `packed` itself, it is for its author to change.",
+    example: "#version 330 core\n\
+              uniform Light { vec3 color; float intensity; } u_light;\n\
+              out vec4 shade;\n\
+              void main() { shade = vec4(u_light.color * u_light.intensity, 1.0); }\n",
+    fix: "Write `layout(std140)` before `uniform`, `layout(std430)` before `buffer`, in every \
+          stage that declares the block.",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
+    let opengl = |target: &Target| match target {
+        Target::Gl33 | Target::Gles30 | Target::WebGl2 => true,
+        Target::WebGpu | Target::Vulkan => false,
+    };
+    let told = settings.targets.iter().any(opengl);
+    let vulkan = settings.targets.contains(&Target::Vulkan) || may_be_vulkan(subject);
+    if vulkan && !told {
+        return Vec::new();
+    }
+    let blocks = subject.shader.blocks.iter();
+    let undeclared = blocks.filter(|b| !b.rules_declared && is_declared(b, subject.options));
+    undeclared.map(|block| finding(subject, block)).collect()
+}
+
+fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
+    let rules = block.rules.name();
+    let keyword = keyword(block.space);
+    let declared = declaration(subject, block, keyword);
+    let message = match declared {
+        Declaration::Chosen(word) => {
+            format!("block `{}` is `{word}`: the driver chooses where its members are", block.name)
+        }
+        Declaration::Bare(_) | Declaration::Qualified(_) | Declaration::Elsewhere => {
+            format!("block `{}` does not say its rules: the driver chooses them", block.name)
+        }
+    };
+    let finding = Finding::new(LINT.code, block.name.as_ref(), place(subject, block.span), message)
+        .with_text(format!("laid out here as if it said {rules}"));
+    match declared {
+        Declaration::Bare(at) => finding
+            .with_help(format!("write `layout({rules}) {keyword} {}`", block.name))
+            .with_edit(place(subject, at), format!("layout({rules}) ")),
+        Declaration::Qualified(at) => finding
+            .with_help(format!("write `{rules}` into its `layout(…)`"))
+            .with_edit(place(subject, at), format!("{rules}, ")),
+        Declaration::Chosen(word) => finding
+            .with_note("host code has to ask the driver for every offset")
+            .with_help(format!("write `{rules}` instead of `{word}`")),
+        Declaration::Elsewhere => {
+            finding.with_help(format!("write `layout({rules})` before its `{keyword}`"))
+        }
+    }
+}
+
+fn keyword(space: AddressSpace) -> &'static str {
+    match space {
+        AddressSpace::Uniform | AddressSpace::PushConstant | AddressSpace::Default => "uniform",
+        AddressSpace::Storage | AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
+            "buffer"
+        }
+    }
+}
+
+/// What stands before a block's name, and where the qualifier would go.
+enum Declaration {
+    /// `uniform NAME`: before the keyword.
+    Bare(Span),
+    /// `layout(binding = 0) uniform NAME`: behind the parenthesis.
+    Qualified(Span),
+    /// `layout(shared) uniform NAME`.
+    Chosen(&'static str),
+    /// Not as far as it can be read here: a macro, a comment in between.
+    Elsewhere,
+}
+
+fn declaration(subject: &Subject<'_>, block: &BlockLayout, keyword: &str) -> Declaration {
+    let span = block.span;
+    let text = subject.shader.files.get(span.file).map_or("", |file| &file.text);
+    let before = text.get(..span.start as usize).unwrap_or("");
+    if subject.shader.files.text(span) != &*block.name {
+        return Declaration::Elsewhere;
+    }
+    let head = before.trim_end();
+    let Some(at) = head.strip_suffix(keyword).map(str::len) else { return Declaration::Elsewhere };
+    let point = |at: usize| Span { start: at as u32, end: at as u32, ..span };
+    // The other qualifiers end where the declaration before this one does.
+    let mut rest = head[..at].trim_end();
+    loop {
+        if let Some(inside) = rest.strip_suffix(')') {
+            let Some(open) = inside.rfind('(') else { return Declaration::Elsewhere };
+            if !inside[..open].trim_end().ends_with("layout") || inside[open..].contains("//") {
+                return Declaration::Elsewhere;
+            }
+            let ids = &inside[open + 1..];
+            let is = |word: &str| ids.split(',').any(|id| id.trim() == word);
+            if let Some(word) = ["shared", "packed"].into_iter().find(|word| is(word)) {
+                return Declaration::Chosen(word);
+            }
+            return match ids.trim().is_empty() {
+                true => Declaration::Elsewhere,
+                false => Declaration::Qualified(point(open + 1)),
+            };
+        }
+        let word = rest.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next();
+        match word {
+            Some(word) if QUALIFIERS.contains(&word) => {
+                rest = rest[..rest.len() - word.len()].trim_end();
+            }
+            // A macro, or the last word of a comment or directive on a line of its own.
+            Some(word) if !word.is_empty() && ends_line(rest, before, at) => {
+                return Declaration::Bare(point(at));
+            }
+            Some("") | None if rest.is_empty() || rest.ends_with([';', '}', '/']) => {
+                return Declaration::Bare(point(at));
+            }
+            Some(_) if ends_line(rest, before, at) => return Declaration::Bare(point(at)),
+            Some(_) | None => return Declaration::Elsewhere,
+        }
+    }
+}
+
+/// Whether a line break stands between the rest and the declaration.
+fn ends_line(rest: &str, before: &str, at: usize) -> bool {
+    before[rest.len()..at].contains('\n')
+}
+
+/// Qualifiers that may stand before the keyword of a block.
+const QUALIFIERS: &[&str] =
+    &["coherent", "volatile", "restrict", "readonly", "writeonly", "highp", "mediump", "lowp"];

@@ -1,0 +1,352 @@
+//! `rust-mirror` and `rust-mirror-unknown`: hand-written `#[repr(C)]` structures
+//! held against the blocks they are copies of.
+//!
+//! [`file`] reads the Rust text, `types` lays it out as rustc does, `compare`
+//! and `fit` hold it against what [`layout`](mod@landfall_layout::layout) says.
+
+mod compare;
+mod file;
+mod fit;
+mod items;
+mod known;
+mod target;
+mod types;
+
+use std::rc::Rc;
+
+use rustc_hash::FxHashSet;
+
+use super::settings::{RustFile, RustMirror};
+use super::show::{bytes, full_listing};
+use super::{Check, Lint, Settings, Subject};
+use compare::{Against, Difference, differences, padding};
+use file::Declarations;
+use landfall_layout::error::Error;
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::text::edit_distance::nearest;
+use target::{Target, targets};
+use types::{Laid, Shape, Types, Unknown};
+
+pub(super) const LINT: Lint = Lint {
+    code: "rust-mirror",
+    level: Level::Deny,
+    what: "a hand-written Rust structure whose fields are not where the shader reads them",
+    why: "A `#[repr(C)]` structure is uploaded byte by byte. Where it lacks a padding field, or \
+          has an array 12 bytes apart that the shader reads 16 apart, every byte after that is \
+          misread, and nothing says so. A structure is held against a block when the \
+          configuration names both, or a comment right above the structure does: \
+          `// landfall: mirror(Light)`, `// landfall: mirror(shaders/sun.frag: Light)`. Fields \
+          and members meet by name, whatever their case; names that begin with `_` are padding.",
+    example: "\
+// landfall: mirror(Light)
+#[repr(C)]
+struct Light {
+    direction: [f32; 3],
+    color: [f32; 3], // at 12; a shader reads `vec3 color` at 16
+}
+",
+    fix: "put padding fields where the finding says, or let `landfall emit --lang rust` write the \
+          structure",
+    check: Check::Tree(check),
+};
+
+pub(super) const UNKNOWN: Lint = Lint {
+    code: "rust-mirror-unknown",
+    // Nothing is known to be wrong.
+    level: Level::Warn,
+    what: "a mirror that could not be held against its block",
+    why: "A field of a type that landfall does not know, a block that no checked shader has: the \
+          mirror is not guarded, though somebody asked for it.",
+    example: "\
+// landfall: mirror(Light)
+#[repr(C)]
+struct Light {
+    direction: my_math::Direction,
+}
+",
+    fix: "use primitives, arrays, structures of the same file or the types of a known math crate; \
+          name the shader in the mirror when only a part of the tree is checked",
+    check: Check::Tree(check_unknown),
+};
+
+fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
+    of_code(subjects, settings, LINT.code)
+}
+
+fn check_unknown(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
+    of_code(subjects, settings, UNKNOWN.code)
+}
+
+/// Whether a Rust file can be looked at for mirrors.
+///
+/// # Errors
+/// It is no Rust: with line and column.
+pub fn readable(file: &RustFile) -> Result<(), Error> {
+    file::read(file).map(|_| ())
+}
+
+/// The shaders, as globs, and the blocks that comments in Rust files name.
+pub(super) fn named(settings: &Settings) -> Vec<(String, String)> {
+    let files = settings.rust_files.iter();
+    let comments = files.filter_map(|file| file::read(file).ok()).flat_map(|read| read.comments);
+    comments.flat_map(|comment| comment.blocks).collect()
+}
+
+/// A Rust structure as rustc lays it out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RustLayout {
+    /// In bytes.
+    pub size: u64,
+    /// Its offset is a multiple of this.
+    pub align: u64,
+    /// Each field with its offset, in the order of the text.
+    pub fields: Vec<(String, u64)>,
+}
+
+/// The layout of a `#[repr(C)]` structure of a Rust file.
+///
+/// # Errors
+/// The file is no Rust, has no such structure, or a type in it is not known.
+pub fn laid_out(file: &RustFile, structure: &str) -> Result<RustLayout, Error> {
+    let declarations = file::read(file)?;
+    let refused = |cause: String| Error::new(&file.path, cause);
+    let index = declarations.structures.iter().position(|s| s.name == structure);
+    let index = index.ok_or_else(|| refused(format!("has no structure `{structure}`")))?;
+    let ty = Types::new(&declarations).structure(index);
+    let ty = ty.map_err(|Unknown(cause)| refused(format!("cannot be judged: {cause}")))?;
+    let fields = match &ty.shape {
+        Shape::Struct(laid) => laid.fields.iter().map(|f| (f.name.clone(), f.offset)).collect(),
+        Shape::Scalar { .. } | Shape::Array { .. } => Vec::new(),
+    };
+    Ok(RustLayout { size: ty.size, align: ty.align, fields })
+}
+
+fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Finding> {
+    let mut findings: Vec<Finding> = Vec::new();
+    let mut said = FxHashSet::default();
+    for file in &settings.rust_files {
+        let mine =
+            settings.rust_mirrors.iter().filter(|mirror| same_file(&mirror.file, &file.path));
+        let mine: Vec<&RustMirror> = mine.collect();
+        if mine.is_empty() && !file.text.contains("landfall: mirror") {
+            continue;
+        }
+        let found = match file::read(file) {
+            Ok(declarations) => of_file(subjects, &declarations, &mine),
+            Err(error) => vec![Finding::new(
+                UNKNOWN.code,
+                file.path.as_str(),
+                Place::file(&file.path),
+                format!("`{}` {}", error.path, error.message),
+            )],
+        };
+        // Many shaders with one block say the same.
+        let mut new = |finding: &Finding| {
+            finding.code == code && said.insert((finding.place.clone(), finding.message.clone()))
+        };
+        findings.extend(found.into_iter().filter(|finding| new(finding)));
+    }
+    findings
+}
+
+/// `src/light.rs` and `./src/light.rs` are the same file.
+fn same_file(named: &str, path: &str) -> bool {
+    let plain = |path: &str| path.trim_start_matches("./").replace('\\', "/");
+    let (named, path) = (plain(named), plain(path));
+    path == named || path.strip_suffix(&named).is_some_and(|rest| rest.ends_with('/'))
+}
+
+/// The mirrors of one file, those of the configuration first.
+fn of_file(
+    subjects: &[Subject<'_>],
+    declarations: &Declarations,
+    configured: &[&RustMirror],
+) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for mirror in configured {
+        findings.extend(of_mirror(subjects, declarations, mirror));
+    }
+    for comment in &declarations.comments {
+        let Some(structure) = &comment.structure else {
+            let message = "this mirror comment stands above no structure".to_string();
+            let finding = Finding::new(UNKNOWN.code, "mirror", comment.place.clone(), message);
+            findings.push(finding.with_help("put it right above the structure's attributes"));
+            continue;
+        };
+        for (shader, block) in &comment.blocks {
+            let mirror = RustMirror {
+                structure: structure.clone(),
+                shader: shader.clone(),
+                block: block.clone(),
+                place: comment.place.clone(),
+                ..RustMirror::default()
+            };
+            findings.extend(of_mirror(subjects, declarations, &mirror));
+        }
+    }
+    findings
+}
+
+fn of_mirror(
+    subjects: &[Subject<'_>],
+    declarations: &Declarations,
+    mirror: &RustMirror,
+) -> Vec<Finding> {
+    let structures = &declarations.structures;
+    let Some(index) = structures.iter().position(|s| s.name == mirror.structure) else {
+        let message =
+            format!("there is no structure `{}` to mirror `{}`", mirror.structure, mirror.block);
+        let finding = Finding::new(LINT.code, &*mirror.structure, mirror.place.clone(), message);
+        let near = nearest(&mirror.structure, structures.iter().map(|s| s.name.as_str()));
+        return vec![match near {
+            Some(near) => finding.with_help(format!("there is a structure `{near}`")),
+            None => finding,
+        }];
+    };
+    let own = &structures[index];
+    let (targets, shaders) = targets(subjects, mirror);
+    if targets.is_empty() {
+        // A part of the tree may be checked that the named shader is not in.
+        if shaders == 0 && !mirror.shader.is_empty() {
+            return Vec::new();
+        }
+        let message = format!(
+            "`{}` mirrors `{}`, but none of the {shaders} shaders checked has such a block",
+            own.name, mirror.block,
+        );
+        let finding = Finding::new(UNKNOWN.code, &*own.name, mirror.place.clone(), message);
+        return vec![finding.with_help("name the block, its variable or a structure in it")];
+    }
+    let mut findings = Vec::new();
+    if let Some(finding) = unordered(declarations, index) {
+        findings.push(finding);
+    }
+    let laid = match Types::new(declarations).structure(index) {
+        Ok(ty) => ty,
+        Err(Unknown(cause)) => {
+            let message =
+                format!("`{}` cannot be held against `{}`: {cause}", own.name, mirror.block);
+            let finding = Finding::new(UNKNOWN.code, &*own.name, own.place.clone(), message);
+            let help = "spell the type out as numbers and arrays, or declare it in the same file";
+            findings.push(finding.with_help(help));
+            return findings;
+        }
+    };
+    let Shape::Struct(fields) = &laid.shape else { return findings };
+    for target in &targets {
+        let held = differences(
+            fields,
+            &Against {
+                members: target.members,
+                rules: target.block.rules,
+                language: target.subject.shader.language,
+                aliases: &mirror.aliases,
+            },
+        );
+        let complete = held.is_empty();
+        findings.extend(held.into_iter().map(|one| reported(declarations, target, one)));
+        for nested in nested_structures(fields) {
+            findings.extend(unordered(declarations, nested));
+        }
+        // With every field in place the size is what is left to be wrong.
+        if complete {
+            findings.extend(size(declarations, target, fields, laid.size));
+        }
+    }
+    findings
+}
+
+/// A structure whose order is rustc's to choose.
+fn unordered(declarations: &Declarations, index: usize) -> Option<Finding> {
+    let structure = &declarations.structures[index];
+    let repr = structure.repr;
+    // A transparent one is laid out as its one field.
+    if repr.c || (repr.transparent && structure.fields.len() == 1) {
+        return None;
+    }
+    let message = format!("`{}` is a mirror without `#[repr(C)]`", structure.name);
+    Some(
+        Finding::new(LINT.code, &*structure.name, structure.place.clone(), message)
+            .with_note("without it rustc may put the fields in any order")
+            .with_help("put `#[repr(C)]` before it"),
+    )
+}
+
+/// The structures of the file that a structure is made of.
+fn nested_structures(laid: &Laid) -> Vec<usize> {
+    let mut found = Vec::new();
+    for field in &laid.fields {
+        let mut ty = &field.ty;
+        while let Shape::Array { element, .. } = &ty.shape {
+            ty = element;
+        }
+        if let Shape::Struct(inner) = &ty.shape {
+            found.push(inner.index);
+            found.extend(nested_structures(inner));
+        }
+        // Shared structures come up again and again: findings are kept once in any case.
+        if found.len() > 1_000 {
+            break;
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+fn reported(declarations: &Declarations, target: &Target<'_, '_>, one: Difference) -> Finding {
+    let structure = &declarations.structures[one.structure];
+    let field = one.field.and_then(|field| structure.fields.get(field));
+    let place = field.map_or(&structure.place, |field| &field.place).clone();
+    let about = match field {
+        Some(field) => format!("{}.{}", structure.name, field.name),
+        None => structure.name.clone(),
+    };
+    let mut finding = Finding::new(LINT.code, about, place, one.message);
+    if let Some(field) = field {
+        finding = finding.with_text(format!("`{}`", field.written));
+    }
+    if let Some(span) = one.member {
+        let place = Place::of(&target.subject.shader.files, span);
+        finding = finding.with_related(place, one.member_text);
+    }
+    finding.notes = one.notes;
+    finding.listing = full_listing(target.subject.shader, target.block);
+    finding
+        .with_note(format!("held against `{}` of `{}`", target.name, target.subject.shader.path))
+        .with_help(one.help)
+}
+
+/// A structure with every field in place that is shorter than what is read, or whose elements
+/// are not as far apart.
+fn size(
+    declarations: &Declarations,
+    target: &Target<'_, '_>,
+    laid: &Rc<Laid>,
+    size: u64,
+) -> Option<Finding> {
+    let name = &laid.name;
+    let (message, needed) = match (target.stride, target.size) {
+        (Some(stride), _) if size != stride => (
+            format!("`{name}` is {}, elements in the shader are {stride} apart", bytes(size)),
+            stride,
+        ),
+        (None, Some(needed)) if size < needed => {
+            (format!("`{name}` is {}, `{}` is {needed}", bytes(size), target.name), needed)
+        }
+        (_, _) => return None,
+    };
+    let structure = &declarations.structures[laid.index];
+    let place = Place::of(&target.subject.shader.files, target.span);
+    let help = match needed.checked_sub(size) {
+        Some(more) => format!("end it with {}", padding(size, more)),
+        None => format!("make it {} shorter", bytes(size - needed)),
+    };
+    let note = format!("held against `{}` of `{}`", target.name, target.subject.shader.path);
+    let finding = Finding::new(LINT.code, name.as_str(), structure.place.clone(), message)
+        .with_text(bytes(size))
+        .with_related(place, bytes(needed))
+        .with_note(note)
+        .with_help(help);
+    Some(Finding { listing: full_listing(target.subject.shader, target.block), ..finding })
+}

@@ -1,0 +1,336 @@
+//! Whether a Rust field holds a member's bytes where the shader reads them.
+//!
+//! Offsets are compared by [`compare`](super::compare); here a field and a
+//! member start at the same byte. Structures in both are handed back as pairs,
+//! to be compared field by field.
+
+use std::rc::Rc;
+
+use super::types::{Laid, RustType, Shape};
+use crate::show;
+pub use landfall_layout::layout::measure::{element_size, fixed, matrix_vector};
+use landfall_layout::layout::{MemberLayout, occupied};
+use landfall_layout::shape::{Rules, Scalar, ScalarKind, Type};
+use landfall_layout::source::Language;
+
+/// What is wrong with a field.
+pub(super) struct Misfit {
+    /// To be read after the field's name: both numbers.
+    pub text: String,
+    /// What it should be instead.
+    pub help: String,
+}
+
+/// A member, or the elements of it from some dimension inwards.
+#[derive(Clone, Copy)]
+pub(super) struct View<'a> {
+    pub member: &'a MemberLayout,
+    pub rules: Rules,
+    pub language: Language,
+    /// The dimension it begins at.
+    pub dim: usize,
+}
+
+/// Holds a field against a member; structures met in both go to `pairs`.
+pub(super) fn fit<'a>(
+    ty: &RustType,
+    view: View<'a>,
+    pairs: &mut Vec<(Rc<Laid>, &'a MemberLayout)>,
+) -> Result<(), Misfit> {
+    match (view.member.dims.get(view.dim), view.member.strides.get(view.dim)) {
+        (Some(len), Some(&stride)) => array(ty, view, fixed(len), stride, pairs),
+        (_, _) => element(ty, view, pairs),
+    }
+}
+
+fn array<'a>(
+    ty: &RustType,
+    view: View<'a>,
+    len: Option<u64>,
+    stride: u64,
+    pairs: &mut Vec<(Rc<Laid>, &'a MemberLayout)>,
+) -> Result<(), Misfit> {
+    let spelled = view.member.ty.innermost().spelled(view.language).to_string();
+    let (inner, count) = match &ty.shape {
+        Shape::Array { element, len } => (element, *len),
+        Shape::Struct(laid) => match laid.fields.as_slice() {
+            // A structure around one array, often for its alignment.
+            [only] => return fit(&only.ty, view, pairs),
+            _ => return Err(no_array(ty, view)),
+        },
+        Shape::Scalar { .. } => return Err(no_array(ty, view)),
+    };
+    if inner.size == stride {
+        if len.is_some_and(|len| len != count) {
+            let len = len.unwrap_or(0);
+            return Err(Misfit {
+                text: format!("has {count} elements, the shader's has {len}"),
+                help: format!("make it {len} elements long"),
+            });
+        }
+        return fit(inner, View { dim: view.dim + 1, ..view }, pairs);
+    }
+    let whole = len.and_then(|len| stride.checked_mul(len));
+    // `[[f32; 4]; 6]` for `float[2][3]`: the dimensions run on in one.
+    let last = *view.member.strides.last().expect("an array has strides");
+    let all: Option<u64> = view.member.dims[view.dim..]
+        .iter()
+        .try_fold(1u64, |product, len| product.checked_mul(fixed(len)?));
+    if inner.size == last && all == Some(count) && whole == last.checked_mul(count) {
+        return fit(inner, View { dim: view.member.dims.len(), ..view }, pairs);
+    }
+    // Flat bytes or components, as many as there are bytes; or both sides without padding.
+    let flat = scalar_of(ty).filter(|scalar| fits_component(scalar, view.member.ty.innermost()));
+    if flat.is_some() && is_flat(ty) && whole.is_some_and(|whole| ty.size == whole) {
+        return Ok(());
+    }
+    let packed = occupied(view.member.ty.innermost()) == last && whole.is_some();
+    if flat.is_some() && packed && whole == Some(ty.size) {
+        return Ok(());
+    }
+    let help = match (&inner.shape, len) {
+        (Shape::Struct(laid), _) if stride > inner.size => {
+            format!("end `{}` with {} bytes of padding", laid.name, stride - inner.size)
+        }
+        (_, len) => match (scalar_of(inner), len) {
+            (Some((name, width, _)), Some(len)) if stride.is_multiple_of(width) => {
+                format!("make it `[[{name}; {}]; {len}]`", stride / width)
+            }
+            (_, _) => format!("make each element {stride} bytes"),
+        },
+    };
+    Err(Misfit {
+        text: format!(
+            "has elements {} bytes apart, the shader's `{spelled}`s are {stride} apart",
+            inner.size
+        ),
+        help,
+    })
+}
+
+fn no_array(ty: &RustType, view: View<'_>) -> Misfit {
+    Misfit {
+        text: format!(
+            "is {} bytes and no array, the shader's is `{}`",
+            ty.size,
+            view.member.ty.spelled(view.language)
+        ),
+        help: "make it an array, each element as far from the next as the shader's".to_string(),
+    }
+}
+
+fn element<'a>(
+    ty: &RustType,
+    view: View<'a>,
+    pairs: &mut Vec<(Rc<Laid>, &'a MemberLayout)>,
+) -> Result<(), Misfit> {
+    let innermost = view.member.ty.innermost();
+    match innermost {
+        Type::Struct(s) => {
+            if let Shape::Struct(laid) = &ty.shape {
+                pairs.push((laid.clone(), view.member));
+                return Ok(());
+            }
+            // Flat bytes or words: how they are filled is not to be seen here.
+            let size = element_size(view.member, view.rules);
+            match scalar_of(ty).is_some() && ty.size >= size {
+                true => Ok(()),
+                false => Err(Misfit {
+                    text: format!("is {} bytes, the shader's `{}` is {size}", ty.size, s.name),
+                    help: "make it a structure with the same members".to_string(),
+                }),
+            }
+        }
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Array { .. } => leaf(ty, view),
+    }
+}
+
+/// A scalar, vector or matrix.
+fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
+    let leaf = view.member.ty.innermost();
+    let spelled = leaf.spelled(view.language).to_string();
+    let (scalar, offsets) = components(view.member);
+    let width = u64::from(scalar.width);
+    let end = offsets.last().map_or(0, |last| last + width);
+    let columns = matrix_vector(view.member).zip(view.member.matrix_stride);
+    let wanted = || match columns {
+        Some((vector, stride)) => {
+            format!("make it `[[{}; {}]; {}]`", rust_name(scalar), stride / width, vector.count)
+        }
+        None if offsets.len() == 1 => format!("make it `{}`", rust_name(scalar)),
+        None => format!("make it `[{}; {}]`", rust_name(scalar), offsets.len()),
+    };
+    if let Some((vector, stride)) = columns {
+        let name = if view.member.row_major { "rows" } else { "columns" };
+        if let Some(apart) = column_stride(ty, vector.count).filter(|apart| *apart != stride) {
+            return Err(Misfit {
+                text: format!(
+                    "is {} bytes with {name} {apart} apart, the shader's `{spelled}` is {} with \
+                     {name} {stride} apart",
+                    ty.size,
+                    stride * vector.count,
+                ),
+                help: wanted(),
+            });
+        }
+    }
+    let mut found = Vec::new();
+    flatten(ty, 0, &mut found);
+    let bytes = found.iter().all(|(_, width, _)| *width == 1) && width > 1;
+    let too_small = || Misfit {
+        text: format!("is {}, the shader's `{spelled}` is {end}", show::bytes(ty.size)),
+        help: wanted(),
+    };
+    if ty.size < end {
+        return Err(too_small());
+    }
+    // Flat bytes: what is in them is not to be seen here.
+    if bytes && found.len() > 1 {
+        return Ok(());
+    }
+    for offset in &offsets {
+        let Some((_, own, kind)) = found.iter().find(|(at, ..)| at == offset) else {
+            return Err(Misfit {
+                text: format!("has no component at byte {offset}, the shader's `{spelled}` has"),
+                help: wanted(),
+            });
+        };
+        if *own != width {
+            return Err(Misfit {
+                text: format!(
+                    "has components of {}, the shader's `{spelled}` of {width}",
+                    show::bytes(*own)
+                ),
+                help: wanted(),
+            });
+        }
+        if is_float(*kind) != is_float(scalar.kind) {
+            let name = if is_float(*kind) { "a float" } else { "an integer" };
+            return Err(Misfit {
+                text: format!("is {name}, the shader reads its bits as `{spelled}`"),
+                help: wanted(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A leaf's component, and the byte of each from the leaf's start.
+fn components(member: &MemberLayout) -> (Scalar, Vec<u64>) {
+    match *member.ty.innermost() {
+        Type::Scalar(scalar) | Type::Atomic(scalar) => (scalar, vec![0]),
+        Type::Vector { scalar, rows } => {
+            (scalar, (0..u64::from(rows)).map(|row| row * u64::from(scalar.width)).collect())
+        }
+        Type::Matrix { scalar, .. } => {
+            let width = u64::from(scalar.width);
+            let vector = matrix_vector(member).expect("a matrix has columns");
+            let stride = member.matrix_stride.unwrap_or(vector.bytes);
+            let of =
+                |column| (0..vector.bytes / width).map(move |row| column * stride + row * width);
+            (scalar, (0..vector.count).flat_map(of).collect())
+        }
+        Type::Address(_) => (Scalar::U64, vec![0]),
+        Type::Struct(_) | Type::Array { .. } => (Scalar::U32, Vec::new()),
+    }
+}
+
+/// The distance of columns in a type that has as many; `None` where it shows none.
+fn column_stride(ty: &RustType, count: u64) -> Option<u64> {
+    match &ty.shape {
+        Shape::Array { element, len } if *len >= count => match element.shape {
+            Shape::Array { .. } | Shape::Struct(_) => Some(element.size),
+            Shape::Scalar { .. } => None,
+        },
+        Shape::Struct(laid) => match laid.fields.as_slice() {
+            [only] => column_stride(&only.ty, count),
+            _ => None,
+        },
+        Shape::Array { .. } | Shape::Scalar { .. } => None,
+    }
+}
+
+/// Components looked at; no leaf has more than 16, a padded one twice that.
+const MOST_COMPONENTS: usize = 64;
+
+fn flatten(ty: &RustType, at: u64, found: &mut Vec<(u64, u64, ScalarKind)>) {
+    // What is empty has no components, however often it is repeated.
+    if found.len() >= MOST_COMPONENTS || ty.size == 0 {
+        return;
+    }
+    match &ty.shape {
+        Shape::Scalar { kind, .. } => found.push((at, ty.size, *kind)),
+        Shape::Array { element, len } => {
+            for index in 0..(*len).min(MOST_COMPONENTS as u64) {
+                flatten(element, at + index * element.size, found);
+            }
+        }
+        Shape::Struct(laid) => {
+            for field in laid.fields.iter().take(MOST_COMPONENTS) {
+                flatten(&field.ty, at + field.offset, found);
+            }
+        }
+    }
+}
+
+/// The scalar that a type holds and nothing else: name, width, kind.
+fn scalar_of(ty: &RustType) -> Option<(&'static str, u64, ScalarKind)> {
+    match &ty.shape {
+        Shape::Scalar { kind, name } => Some((name, ty.size, *kind)),
+        Shape::Array { element, .. } => scalar_of(element),
+        Shape::Struct(_) => None,
+    }
+}
+
+/// Whether it is an array of scalars.
+fn is_flat(ty: &RustType) -> bool {
+    match &ty.shape {
+        Shape::Array { element, .. } => matches!(element.shape, Shape::Scalar { .. }),
+        Shape::Scalar { .. } | Shape::Struct(_) => false,
+    }
+}
+
+/// Whether a flat array of it can be filled with a leaf's components.
+fn fits_component(scalar: &(&'static str, u64, ScalarKind), leaf: &Type) -> bool {
+    let own = match leaf {
+        Type::Scalar(own) | Type::Atomic(own) => *own,
+        Type::Vector { scalar, .. } | Type::Matrix { scalar, .. } => *scalar,
+        Type::Address(_) => Scalar::U64,
+        // Words of a structure.
+        Type::Struct(_) | Type::Array { .. } => return true,
+    };
+    let (_, width, kind) = *scalar;
+    width == 1 || (width == u64::from(own.width) && is_float(kind) == is_float(own.kind))
+}
+
+fn is_float(kind: ScalarKind) -> bool {
+    match kind {
+        ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
+            true
+        }
+        ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint => false,
+    }
+}
+
+/// The Rust type of a component.
+fn rust_name(scalar: Scalar) -> &'static str {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 8) => "f64",
+        (ScalarKind::Float, 2) => "half::f16",
+        (ScalarKind::Float, _) => "f32",
+        (ScalarKind::Bfloat, _) => "half::bf16",
+        (ScalarKind::Sint, 1) => "i8",
+        (ScalarKind::Sint, 2) => "i16",
+        (ScalarKind::Sint, 8) => "i64",
+        (ScalarKind::Sint, _) => "i32",
+        (ScalarKind::Uint, 2) => "u16",
+        (ScalarKind::Uint, 8) => "u64",
+        (ScalarKind::Uint, 1) | (ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => "u8",
+        (ScalarKind::Uint | ScalarKind::Bool, _) => "u32",
+    }
+}

@@ -1,0 +1,298 @@
+//! The layout of Rust types as rustc makes it: primitives, arrays, `repr(C)`
+//! structures of the same file, and the math types of [`known`](super::known).
+//!
+//! What it does not know it names instead of guessing.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use syn::{Expr, Lit};
+
+use super::file::{Declarations, Structure};
+use super::known;
+use landfall_layout::shape::ScalarKind;
+
+/// A type laid out.
+#[derive(Clone)]
+pub(super) struct RustType {
+    pub size: u64,
+    pub align: u64,
+    pub shape: Shape,
+}
+
+#[derive(Clone)]
+pub(super) enum Shape {
+    Scalar {
+        kind: ScalarKind,
+        name: &'static str,
+    },
+    /// An array, a vector, or a matrix as an array of its columns.
+    Array {
+        element: Rc<RustType>,
+        len: u64,
+    },
+    Struct(Rc<Laid>),
+}
+
+/// A structure laid out.
+pub(super) struct Laid {
+    pub name: String,
+    pub fields: Vec<LaidField>,
+    /// Where in [`Declarations::structures`] it is.
+    pub index: usize,
+}
+
+/// A field laid out.
+pub(super) struct LaidField {
+    pub name: String,
+    pub offset: u64,
+    pub ty: RustType,
+}
+
+/// What stands in the way of a layout.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Unknown(pub String);
+
+impl RustType {
+    pub(super) fn scalar(kind: ScalarKind, name: &'static str, width: u64) -> RustType {
+        RustType { size: width, align: width, shape: Shape::Scalar { kind, name } }
+    }
+
+    pub(super) fn array(element: RustType, len: u64) -> Option<RustType> {
+        Some(RustType {
+            size: element.size.checked_mul(len)?,
+            align: element.align,
+            shape: Shape::Array { element: Rc::new(element), len },
+        })
+    }
+
+    /// The same, larger and aligned: a SIMD vector.
+    pub(super) fn aligned(self, align: u64) -> RustType {
+        RustType { size: self.size.next_multiple_of(align), align, ..self }
+    }
+}
+
+/// Structures, aliases and constants may hang on each other this deep.
+const DEEPEST: u32 = 32;
+
+/// Types looked at for one structure: text can name more of them than anyone can wait for.
+const MOST_STEPS: u32 = 100_000;
+
+/// Lays types of one file out.
+pub(super) struct Types<'d> {
+    declarations: &'d Declarations,
+    steps: Cell<u32>,
+}
+
+impl<'d> Types<'d> {
+    pub fn new(declarations: &'d Declarations) -> Types<'d> {
+        Types { declarations, steps: Cell::new(0) }
+    }
+
+    /// The layout of a structure of the file, as if it were `repr(C)` where it is nothing else.
+    pub fn structure(&self, index: usize) -> Result<RustType, Unknown> {
+        self.steps.set(0);
+        self.structure_at(index, 0)
+    }
+
+    /// Counts a step; an error when there were too many, or they nest too deeply.
+    fn step(&self, depth: u32) -> Result<(), Unknown> {
+        self.steps.set(self.steps.get() + 1);
+        match depth > DEEPEST || self.steps.get() > MOST_STEPS {
+            true => Err(Unknown("its type nests too deeply".to_string())),
+            false => Ok(()),
+        }
+    }
+
+    fn structure_at(&self, index: usize, depth: u32) -> Result<RustType, Unknown> {
+        let structure = &self.declarations.structures[index];
+        if structure.generic {
+            return Err(Unknown(format!("`{}` is generic", structure.name)));
+        }
+        let (mut end, mut align) = (0u64, structure.repr.align.unwrap_or(1));
+        let mut fields = Vec::with_capacity(structure.fields.len());
+        for field in &structure.fields {
+            if field.conditional {
+                return Err(Unknown(format!("a `cfg` decides if field `{}` is there", field.name)));
+            }
+            let ty = self.of(&field.ty, depth + 1).map_err(|Unknown(cause)| {
+                match cause.starts_with("field") {
+                    true => Unknown(cause),
+                    false => Unknown(format!("field `{}`: {cause}", field.name)),
+                }
+            })?;
+            let own = ty.align.min(structure.repr.packed.unwrap_or(u64::MAX)).max(1);
+            let offset = end.checked_next_multiple_of(own).ok_or_else(|| too_large(structure))?;
+            end = offset.checked_add(ty.size).ok_or_else(|| too_large(structure))?;
+            align = align.max(own);
+            fields.push(LaidField { name: field.name.clone(), offset, ty });
+        }
+        let size = end.checked_next_multiple_of(align).ok_or_else(|| too_large(structure))?;
+        let laid = Laid { name: structure.name.clone(), fields, index };
+        Ok(RustType { size, align, shape: Shape::Struct(Rc::new(laid)) })
+    }
+
+    fn of(&self, ty: &syn::Type, depth: u32) -> Result<RustType, Unknown> {
+        self.step(depth)?;
+        match ty {
+            syn::Type::Array(array) => {
+                let element = self.of(&array.elem, depth + 1)?;
+                let len = self.value(&array.len, depth + 1)?;
+                RustType::array(element, len)
+                    .ok_or_else(|| Unknown("its type is too large".to_string()))
+            }
+            syn::Type::Paren(inner) => self.of(&inner.elem, depth + 1),
+            syn::Type::Group(inner) => self.of(&inner.elem, depth + 1),
+            syn::Type::Path(path) if path.qself.is_none() => self.named(&path.path, depth),
+            _ => Err(Unknown("its type has no layout that is known here".to_string())),
+        }
+    }
+
+    fn named(&self, path: &syn::Path, depth: u32) -> Result<RustType, Unknown> {
+        let segments: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
+        let last = path.segments.last().expect("a path has a segment");
+        let local = match segments.as_slice() {
+            [_] => true,
+            [first, ..] => matches!(first.as_str(), "self" | "super" | "crate"),
+            [] => false,
+        };
+        // A name that is imported is not the file's own.
+        let imported = self.declarations.imports.contains_key(&segments[0]);
+        if local && !imported {
+            let name = &segments[segments.len() - 1];
+            if let Some(alias) = self.declarations.aliases.get(name) {
+                return self.of(alias, depth + 1);
+            }
+            let structures = &self.declarations.structures;
+            if let Some(index) = structures.iter().position(|s| s.name == *name) {
+                return self.structure_at(index, depth + 1);
+            }
+        }
+        let arguments = self.arguments(&last.arguments, depth)?;
+        let full = self.resolved(&segments);
+        known::named(&full, &self.globs(), &arguments)
+            .ok_or_else(|| Unknown(format!("the layout of `{}` is not known", full.join("::"))))
+    }
+
+    /// `<f32>`, `<f32, 3>`.
+    fn arguments(
+        &self,
+        arguments: &syn::PathArguments,
+        depth: u32,
+    ) -> Result<Vec<Argument>, Unknown> {
+        let syn::PathArguments::AngleBracketed(list) = arguments else { return Ok(Vec::new()) };
+        list.args
+            .iter()
+            .map(|argument| match argument {
+                // A constant by name looks like a type.
+                syn::GenericArgument::Type(ty) => match self.of(ty, depth + 1) {
+                    Ok(ty) => Ok(Argument::Type(ty)),
+                    Err(unknown) => match ty {
+                        syn::Type::Path(path) => self
+                            .constant(&path.path, depth + 1)
+                            .map(Argument::Number)
+                            .map_err(|_| unknown),
+                        _ => Err(unknown),
+                    },
+                },
+                syn::GenericArgument::Const(value) => {
+                    self.value(value, depth + 1).map(Argument::Number)
+                }
+                _ => Err(Unknown("its type has no layout that is known here".to_string())),
+            })
+            .collect()
+    }
+
+    /// A path with its first name as it was imported.
+    fn resolved(&self, segments: &[String]) -> Vec<String> {
+        match self.declarations.imports.get(&segments[0]) {
+            Some(full) => full.iter().chain(&segments[1..]).cloned().collect(),
+            None => segments.to_vec(),
+        }
+    }
+
+    /// What is imported as a whole: `glam::*`.
+    fn globs(&self) -> Vec<&str> {
+        let imports = self.declarations.imports.iter();
+        let mut globs: Vec<&str> = imports
+            .filter(|(name, _)| name.starts_with('*'))
+            .filter_map(|(_, path)| path.first().map(String::as_str))
+            .collect();
+        globs.sort_unstable();
+        globs
+    }
+
+    /// The value of an array's length.
+    fn value(&self, value: &Expr, depth: u32) -> Result<u64, Unknown> {
+        let unknown = || Unknown("its array's length is not known".to_string());
+        self.step(depth)?;
+        match value {
+            Expr::Lit(literal) => match &literal.lit {
+                Lit::Int(number) => number.base10_parse().map_err(|_| unknown()),
+                _ => Err(unknown()),
+            },
+            Expr::Paren(inner) => self.value(&inner.expr, depth + 1),
+            Expr::Group(inner) => self.value(&inner.expr, depth + 1),
+            Expr::Cast(cast) => self.value(&cast.expr, depth + 1),
+            Expr::Block(block) => match block.block.stmts.as_slice() {
+                [syn::Stmt::Expr(inner, None)] => self.value(inner, depth + 1),
+                _ => Err(unknown()),
+            },
+            Expr::Path(path) => self.constant(&path.path, depth),
+            Expr::Binary(binary) => {
+                let left = self.value(&binary.left, depth + 1)?;
+                let right = self.value(&binary.right, depth + 1)?;
+                operate(&binary.op, left, right).ok_or_else(unknown)
+            }
+            Expr::Call(call) => self.size_of(call, depth).ok_or_else(unknown),
+            _ => Err(unknown()),
+        }
+    }
+
+    fn constant(&self, path: &syn::Path, depth: u32) -> Result<u64, Unknown> {
+        let name = path.segments.last().map(|s| s.ident.to_string()).unwrap_or_default();
+        let unknown = || Unknown(format!("constant `{name}` is not known"));
+        let tokens = self.declarations.constants.get(&name).ok_or_else(unknown)?;
+        let value: Expr = syn::parse2(tokens.clone()).map_err(|_| unknown())?;
+        self.value(&value, depth + 1)
+    }
+
+    /// `size_of::<T>()`, under any path.
+    fn size_of(&self, call: &syn::ExprCall, depth: u32) -> Option<u64> {
+        let Expr::Path(function) = &*call.func else { return None };
+        let last = function.path.segments.last()?;
+        if last.ident != "size_of" || !call.args.is_empty() {
+            return None;
+        }
+        match self.arguments(&last.arguments, depth + 1).ok()?.as_slice() {
+            [Argument::Type(ty)] => Some(ty.size),
+            _ => None,
+        }
+    }
+}
+
+/// An argument of a generic type.
+pub(super) enum Argument {
+    Type(RustType),
+    Number(u64),
+}
+
+fn operate(op: &syn::BinOp, left: u64, right: u64) -> Option<u64> {
+    let shift = u32::try_from(right).ok();
+    match op {
+        syn::BinOp::Add(_) => left.checked_add(right),
+        syn::BinOp::Sub(_) => left.checked_sub(right),
+        syn::BinOp::Mul(_) => left.checked_mul(right),
+        syn::BinOp::Div(_) => left.checked_div(right),
+        syn::BinOp::Rem(_) => left.checked_rem(right),
+        syn::BinOp::Shl(_) => left.checked_shl(shift?),
+        syn::BinOp::Shr(_) => left.checked_shr(shift?),
+        syn::BinOp::BitAnd(_) => Some(left & right),
+        syn::BinOp::BitOr(_) => Some(left | right),
+        _ => None,
+    }
+}
+
+fn too_large(structure: &Structure) -> Unknown {
+    Unknown(format!("`{}` is too large", structure.name))
+}

@@ -1,0 +1,84 @@
+//! `scalar-after-vec3`: something stands in the last quarter of a `vec3`'s slot.
+
+use super::show::bytes;
+use super::walk::{Visit, members};
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::shape::{Rules, Scalar, Type};
+
+pub(super) const LINT: Lint = Lint {
+    code: "scalar-after-vec3",
+    // Most shaders do this, most of them on purpose: it saves 4 bytes.
+    level: Level::Allow,
+    what: "a scalar that stands in the 4 bytes after a `vec3`",
+    why: "A `vec3` is aligned to 16 bytes but takes up 12: a scalar after it is at +12. A copy of \
+          the structure whose `vec3` takes 16 bytes (an aligned math type, a `float[4]`) has it \
+          at +16, and everything after it is read from the wrong byte. Allowed unless asked for, \
+          because the layout itself is a good one: `rust-mirror` and emitted mirrors hold the \
+          copy.",
+    example: "\
+#version 330 core
+layout(std140) uniform Light {
+    vec3 color;      // 0
+    float intensity; // 12, not 16
+};
+void main() {}
+",
+    fix: "in the copy, give the `vec3` 12 bytes (`[f32; 3]`) and let the scalar follow at once; \
+          or declare one `vec4` for both",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    let visits = members(subject.shader);
+    visits.iter().filter_map(|visit| in_the_slot(subject, visit)).collect()
+}
+
+fn in_the_slot(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
+    // There a `vec3` has no slot of 16 bytes.
+    if visit.block.rules == Rules::Scalar {
+        return None;
+    }
+    let vector = visit.siblings.get(visit.index.checked_sub(1)?)?;
+    let member = visit.member();
+    let scalar = vec3_of(&vector.ty)?;
+    let (start, at) = (vector.offset?, member.offset?);
+    let (own, slot) = (3 * u64::from(scalar.width), 4 * u64::from(scalar.width));
+    if at < start + own || at >= start + slot {
+        return None;
+    }
+    let ty = vector.ty.spelled(subject.shader.language);
+    let message = format!(
+        "`{}` is at {at}, in the last {} of the {slot} that `{}` is aligned to: a copy whose \
+         `{ty}` takes {slot} bytes has it at {}",
+        member.name,
+        bytes(slot - own),
+        vector.name,
+        start + slot,
+    );
+    let place = landfall_layout::finding::Place::of(&subject.shader.files, vector.span);
+    Some(
+        visit
+            .finding(subject, LINT.code, message)
+            .with_text(format!("offset {at}"))
+            .with_related(place, format!("the `{ty}` at {start}, {own} bytes"))
+            .with_help(format!(
+                "in the copy, give `{}` {own} bytes and let `{}` follow at once",
+                vector.name, member.name,
+            )),
+    )
+}
+
+/// The component of a vector of three.
+fn vec3_of(ty: &Type) -> Option<Scalar> {
+    match ty {
+        Type::Vector { scalar, rows: 3 } => Some(*scalar),
+        Type::Vector { .. }
+        | Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Struct(_)
+        | Type::Array { .. } => None,
+    }
+}

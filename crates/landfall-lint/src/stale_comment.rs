@@ -1,0 +1,357 @@
+//! `stale-comment`: comments whose numbers about the layout are wrong.
+
+mod claims;
+mod columns;
+mod judge;
+mod owners;
+mod words;
+
+use super::show::{is_declared, listing, place};
+use super::{Check, Lint, Settings, Subject};
+use claims::{Claim, Kind, claims};
+use columns::Row;
+use judge::{Right, counted_from, may_be_content, other_unit};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::layout::MemberLayout;
+use landfall_layout::source::{Files, Span};
+use owners::{Owner, owners};
+
+pub(super) const LINT: Lint = Lint {
+    code: "stale-comment",
+    level: Level::Warn,
+    what: "a comment states an offset, alignment, size, stride or total that is wrong",
+    why: "Comments like `// offset:16` are what host code is written from, and nothing checks \
+          them when a member is inserted above. Only a number that is wrong in every reading is \
+          reported: an offset may count from the structure or from the block; a size may include \
+          the padding behind, be one element's or column's, or sum up the members so far; a range \
+          may end at its last byte or one past it; a total may be with or without tail padding. \
+          Bare numbers are read as columns only where a line above names them, or where they fit \
+          most members. A structure that blocks of different rules use is reported when the \
+          comment is wrong in all of them and one number is right in all. Nothing is said of \
+          blocks that declare no rules, of members behind an `#if`, or where a comment speaks of \
+          other rules, of the host or of the past.",
+    example: "#version 330 core\n\
+              struct PointLight {\n    \
+              vec3 pos;        // alignment:16 offset:0\n    \
+              vec3 color;      // alignment:12 offset:16\n    \
+              float intensity; // alignment:4 offset:28\n\
+              };\n\
+              layout(std140) uniform PointLightBlock { PointLight data[4]; } u_lights;\n\
+              out vec4 shade;\n\
+              void main() { shade = vec4(u_lights.data[0].color, 1.0); }\n",
+    fix: "Write the number the layout says; `--fix` does, and touches nothing but the digits.",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    // Under `--rules` the layout is not the one the comments are about.
+    if subject.options.rules.is_some() {
+        return Vec::new();
+    }
+    let blocks = subject.shader.blocks.iter();
+    let blocks = blocks.filter(|b| b.rules_declared && is_declared(b, subject.options));
+    let mut found = Vec::new();
+    for owner in owners(subject.shader, blocks) {
+        in_owner(subject, &owner, &mut found);
+        if found.len() >= MOST_FOUND {
+            break;
+        }
+    }
+    found.sort_by(|a, b| (&a.place.path, a.place.start).cmp(&(&b.place.path, b.place.start)));
+    found.dedup_by(|a, b| a.place == b.place);
+    found
+}
+
+/// Findings of one shader; past that its comments are about another layout altogether.
+const MOST_FOUND: usize = 500;
+
+/// A claim, and the comment it is made in.
+struct Made {
+    index: usize,
+    comment: Span,
+    claim: Claim,
+}
+
+fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) {
+    let Some(members) = owner.places.first().map(|placed| placed.members) else {
+        return;
+    };
+    let read = read(subject, owner, members);
+    let offsets: Vec<(usize, u64)> = read
+        .made
+        .iter()
+        .filter(|made| made.claim.kind == Kind::Offset)
+        .map(|made| (made.index, made.claim.number.value))
+        .collect();
+    let other_unit = other_unit(owner, &offsets);
+    let from = counted_from(owner, &offsets);
+    for made in &read.made {
+        if found.len() >= MOST_FOUND {
+            return;
+        }
+        let member = &members[made.index];
+        let alone = read.made.len() == 1;
+        if (made.claim.kind == Kind::Offset && other_unit)
+            || is_conditional(owner, member, made.claim.kind)
+            || is_content(member, &made.claim, alone)
+        {
+            continue;
+        }
+        if let Some(right) = judge::member(owner, made.index, &made.claim, from) {
+            found.push(finding(subject, owner, Some(member), made.comment, &made.claim, &right));
+        }
+    }
+    let kinds = columns::kinds(owner, read.header, &read.rows);
+    for row in &read.rows {
+        let member = &members[row.index];
+        for (cell, kind) in row.cells.iter().zip(&kinds) {
+            let Some(kind) = kind.filter(|&kind| !is_conditional(owner, member, kind)) else {
+                continue;
+            };
+            let claim = columns::claim(kind, cell);
+            let right = match row.step {
+                0 => judge::member(owner, row.index, &claim, from),
+                step => judge::column(owner, row.index, &claim, step),
+            };
+            if let Some(right) = right {
+                found.push(finding(subject, owner, Some(member), row.comment, &claim, &right));
+            }
+        }
+    }
+    found.extend(totals(subject, owner));
+}
+
+/// What the comments of a structure's or block's members say.
+#[derive(Default)]
+struct Read {
+    made: Vec<Made>,
+    header: Option<Vec<Kind>>,
+    rows: Vec<Row>,
+}
+
+fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> Read {
+    let files = &subject.shader.files;
+    let mut read = Read::default();
+    // The last comment behind a member, and how many lines have gone on with it.
+    let mut tail: Option<Tail> = None;
+    for (index, member) in members.iter().enumerate() {
+        // `float a, b; // offset 16`: of which of them it speaks cannot be told.
+        let neighbours = [index.checked_sub(1), Some(index + 1)].into_iter().flatten();
+        let neighbours: Vec<_> = neighbours.filter_map(|at| members.get(at)).collect();
+        for &comment in &member.comment {
+            let shared = |other: &&MemberLayout| other.comment.contains(&comment);
+            if comment.file != member.span.file || neighbours.iter().any(shared) {
+                continue;
+            }
+            let text = files.text(comment);
+            let behind = comment.start > member.span.start;
+            let between = Span { start: comment.end, end: member.span.start, ..comment };
+            if behind || !files.text(between).contains('\n') {
+                if behind {
+                    tail = Some(Tail { index, comment, step: 0 });
+                }
+                add(&mut read, owner, member, index, comment, text);
+                continue;
+            }
+            // A line of its own right below a comment, at the same column, goes on with that one.
+            if let Some(tail) = tail.as_mut().filter(|tail| goes_on(files, tail.comment, comment)) {
+                tail.comment = comment;
+                tail.step += 1;
+                if let Some(cells) = columns::cells(text) {
+                    let (index, step) = (tail.index, tail.step);
+                    read.rows.push(Row { index, step, comment, cells });
+                }
+                continue;
+            }
+            if index == 0 && read.header.is_none() {
+                read.header = columns::header(text);
+            }
+            let own = claims(text, &member.name, rules(owner));
+            let keyword = own.into_iter().filter(|claim| claim.keyword);
+            read.made.extend(keyword.map(|claim| Made { index, comment, claim }));
+        }
+    }
+    read
+}
+
+struct Tail {
+    index: usize,
+    comment: Span,
+    step: u64,
+}
+
+/// Whether a comment stands on the line below another, at the same column.
+fn goes_on(files: &Files, above: Span, below: Span) -> bool {
+    let between = files.text(Span { start: above.end, end: below.start, ..below });
+    above.file == below.file
+        && between.trim().is_empty()
+        && between.matches('\n').count() == 1
+        && column(files, above).is_some_and(|at| Some(at) == column(files, below))
+}
+
+/// The column of a comment in characters; `None` on a line no one would align anything on.
+fn column(files: &Files, comment: Span) -> Option<usize> {
+    const WIDEST: usize = 1000;
+    let text = &files.get(comment.file)?.text;
+    let before = text.get(..comment.start as usize)?;
+    let line = before.bytes().rev().take(WIDEST).position(|byte| byte == b'\n')?;
+    Some(before[before.len() - line..].chars().count())
+}
+
+/// Notes what a comment on a member's own line says.
+fn add(
+    read: &mut Read,
+    owner: &Owner<'_>,
+    member: &MemberLayout,
+    index: usize,
+    comment: Span,
+    text: &str,
+) {
+    if let Some(cells) = columns::cells(text) {
+        read.rows.push(Row { index, step: 0, comment, cells });
+        return;
+    }
+    let said = claims(text, &member.name, rules(owner));
+    // A total next to a member may be of anything up to there.
+    let own = said.into_iter().filter(|claim| claim.kind != Kind::Total);
+    read.made.extend(own.map(|claim| Made { index, comment, claim }));
+}
+
+/// The rules a structure is laid out by everywhere, if they are the same.
+fn rules(owner: &Owner<'_>) -> &'static str {
+    let mut rules = owner.places.iter().map(|placed| placed.rules);
+    let first = rules.next();
+    match first.filter(|first| rules.all(|other| other == *first)) {
+        Some(rules) => rules.name(),
+        None => "",
+    }
+}
+
+/// Whether what is said may hold under another branch of an `#if` before the member.
+fn is_conditional(owner: &Owner<'_>, member: &MemberLayout, kind: Kind) -> bool {
+    match kind {
+        Kind::Offset | Kind::Total | Kind::Size => {
+            owner.comments.condition.is_some_and(|at| at < member.span.start)
+        }
+        Kind::Align | Kind::ArrayStride | Kind::MatrixStride | Kind::Stride => false,
+    }
+}
+
+/// Whether a number may be about what the member holds rather than about its bytes:
+/// `int offset; // offset: 3`, `float radius; // size 10`.
+fn is_content(member: &MemberLayout, claim: &Claim, alone: bool) -> bool {
+    if claim.unit || claim.to.is_some() {
+        return false;
+    }
+    let name = member.name.to_lowercase();
+    let named = |words: &[&str]| words.iter().any(|word| name.contains(word));
+    match claim.kind {
+        Kind::Offset => alone && named(&["offset", "start", "first", "base", "index"]),
+        Kind::Align => alone && named(&["align"]),
+        Kind::Size | Kind::Total => {
+            may_be_content(member)
+                && (alone || named(&["size", "width", "height", "radius", "count", "num", "len"]))
+        }
+        Kind::ArrayStride | Kind::MatrixStride | Kind::Stride => {
+            member.strides.is_empty() && member.matrix_stride.is_none()
+        }
+    }
+}
+
+/// What comments around a structure or block say of its size.
+fn totals(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
+    let comments = &owner.comments;
+    if comments.condition.is_some() {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    let around = comments.spans.iter().map(|&span| (span, false));
+    for (span, last) in around.chain(comments.last.iter().map(|&span| (span, true))) {
+        for claim in claims(subject.shader.files.text(span), &owner.name, rules(owner)) {
+            // Behind the last member `// 4 bytes` is as likely the padding.
+            if last && claim.kind != Kind::Total {
+                continue;
+            }
+            if let Some(right) = judge::whole(owner, &claim) {
+                found.push(finding(subject, owner, None, span, &claim, &right));
+            }
+        }
+    }
+    found
+}
+
+fn finding(
+    subject: &Subject<'_>,
+    owner: &Owner<'_>,
+    member: Option<&MemberLayout>,
+    comment: Span,
+    claim: &Claim,
+    right: &Right,
+) -> Finding {
+    let placed = &owner.places[0];
+    let name = member.map_or(&owner.name, |member| &member.name);
+    let said = match &claim.to {
+        Some(to) => format!("{} to {}", claim.number.value, to.value),
+        None => claim.number.value.to_string(),
+    };
+    let is = match right.to {
+        Some(to) => format!("{} to {to}", right.value),
+        None => right.value.to_string(),
+    };
+    let (noun, message) = match claim.kind {
+        Kind::Offset => {
+            let message = format!("comment puts `{name}` at offset {said}, but it is at {is}");
+            ("offset", message)
+        }
+        Kind::Align => {
+            let message =
+                format!("comment aligns `{name}` to {said} bytes, but it is aligned to {is}");
+            ("alignment", message)
+        }
+        Kind::Size | Kind::Total => {
+            ("size", format!("comment says `{name}` is {said} bytes, but it is {is}"))
+        }
+        Kind::ArrayStride | Kind::MatrixStride | Kind::Stride => {
+            let what = if claim.kind == Kind::MatrixStride { "matrix stride" } else { "stride" };
+            (what, format!("comment gives `{name}` a {what} of {said} bytes, but it is {is}"))
+        }
+    };
+    let about = match member {
+        Some(member) => format!("{}.{} {noun}", owner.name, member.name),
+        None => format!("{} {noun}", owner.name),
+    };
+    let part = |range: &std::ops::Range<usize>| Span {
+        start: comment.start + range.start as u32,
+        end: comment.start + range.end as u32,
+        ..comment
+    };
+    let mut finding =
+        Finding::new(LINT.code, about, place(subject, part(&claim.number.range)), message)
+            .with_text(format!("{noun} {is} by {}", placed.rules.name()))
+            .with_help(format!("write {is} instead of {said}"));
+    if placed.block.span != owner.span && *placed.block.name != *owner.name {
+        let text = format!("`{}` is laid out in this block", owner.name);
+        finding = finding.with_related(place(subject, placed.block.span), text);
+    }
+    let numbers = [Some((&claim.number, right.value)), claim.to.as_ref().zip(right.to)];
+    for (number, value) in numbers.into_iter().flatten().filter(|(n, value)| n.value != *value) {
+        let old = subject.shader.files.text(part(&number.range));
+        finding = finding.with_edit(place(subject, part(&number.range)), spelled(old, value));
+    }
+    finding.listing = listing(subject.shader, placed.block);
+    finding
+}
+
+/// A number spelled as the one it replaces: decimal, or hexadecimal of the same width and case.
+fn spelled(old: &str, value: u64) -> String {
+    match old.split_at_checked(2) {
+        Some((prefix @ ("0x" | "0X"), digits)) => {
+            let width = digits.len();
+            match digits.contains(|c: char| c.is_ascii_uppercase()) {
+                true => format!("{prefix}{value:0width$X}"),
+                false => format!("{prefix}{value:0width$x}"),
+            }
+        }
+        Some(_) | None => value.to_string(),
+    }
+}

@@ -1,0 +1,74 @@
+//! `unused-block`: a block that no function touches.
+
+use super::show::bytes;
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::naga_compare::used::{Used, used};
+use landfall_layout::shape::AddressSpace;
+use landfall_layout::source::Language;
+
+pub(super) const LINT: Lint = Lint {
+    code: "unused-block",
+    // Shared headers declare more than each shader uses, and asking costs naga's time.
+    level: Level::Allow,
+    what: "a block that no function of the shader reads or writes",
+    why: "Drivers leave an unused block out: `glGetUniformBlockIndex` does not find it, and a \
+          bind group layout that wgpu derives from the shader lacks its binding. Known only of \
+          texts that naga takes as they are: WGSL, and Vulkan GLSL without `#if`, with an entry \
+          point. Blocks of included files are left alone. Allowed unless asked for, because \
+          shared declarations are often wanted.",
+    example: "\
+#version 450
+layout(std140, set = 0, binding = 0) uniform Camera { mat4 view; } camera;
+layout(std140, set = 0, binding = 1) uniform Fog { vec4 color; } fog;
+void main() { gl_Position = camera.view[0]; }
+",
+    fix: "remove the block, or use it",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    let Some(touched) = touched(subject) else { return Vec::new() };
+    let shader = subject.shader;
+    let mut findings = Vec::new();
+    for (block, touched) in shader.blocks.iter().zip(touched) {
+        let placed = match block.space {
+            AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::PushConstant => true,
+            AddressSpace::BufferReference | AddressSpace::ShaderRecord | AddressSpace::Default => {
+                false
+            }
+        };
+        if !placed || block.span.file != 0 || touched.is_none_or(|touched| !touched.is_empty()) {
+            continue;
+        }
+        let name = match (&block.instance, shader.language) {
+            (Some(instance), Language::Wgsl) => instance,
+            (Some(_) | None, Language::Glsl) | (None, Language::Wgsl) => &block.name,
+        };
+        let size = block.size.map(|size| format!(", {}", bytes(size))).unwrap_or_default();
+        let message = format!("no function touches block `{name}`{size}");
+        findings.push(
+            Finding::new(LINT.code, &**name, Place::of(&shader.files, block.span), message)
+                .with_help("remove it, with what fills it"),
+        );
+    }
+    findings
+}
+
+/// What functions touch of each block of a shader, where that can be said.
+pub(super) fn touched(subject: &Subject<'_>) -> Option<Vec<Option<Used>>> {
+    let shader = subject.shader;
+    // Another variant of the text may use what this one does not.
+    let conditional = shader.language == Language::Glsl
+        && shader.files.iter().any(|file| {
+            file.text.lines().any(|line| {
+                line.trim_start()
+                    .strip_prefix('#')
+                    .is_some_and(|directive| directive.trim_start().starts_with("if"))
+            })
+        });
+    if conditional || shader.blocks.is_empty() {
+        return None;
+    }
+    used(subject.source, &subject.options.read, &shader.blocks)
+}

@@ -1,0 +1,125 @@
+//! `unused-member`: a member that no function touches, of a block that is in use.
+
+use rustc_hash::FxHashMap;
+
+use super::show::bytes;
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::layout::{BlockLayout, MemberLayout};
+use landfall_layout::naga_compare::used::Used;
+use landfall_layout::shape::Type;
+use landfall_layout::source::Span;
+
+pub(super) const LINT: Lint = Lint {
+    code: "unused-member",
+    // A block shared by several shaders has members for each of them.
+    level: Level::Allow,
+    what: "a member of a block that no function of the shader reads or writes",
+    why: "It costs bytes and an upload, and is often a leftover, or a typo: another member is \
+          read in its place. Known only of texts that naga takes as they are: WGSL, and Vulkan \
+          GLSL without `#if`, with an entry point. A structure that is copied as a whole uses all \
+          its members; names that say padding (`_pad`, `reserved`) are left alone. Allowed \
+          unless asked for, because blocks are shared.",
+    example: "\
+#version 450
+layout(std140, set = 0, binding = 0) uniform Camera {
+    mat4 view;
+    mat4 projection; // never read
+} camera;
+void main() { gl_Position = camera.view[0]; }
+",
+    fix: "remove the member from the block and from every copy, or use it",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    let Some(touched) = super::unused_block::touched(subject) else { return Vec::new() };
+    let mut members = Members::default();
+    for (block, used) in subject.shader.blocks.iter().zip(&touched) {
+        match used {
+            // A block that nothing touches is another lint's.
+            Some(used) if used.is_empty() => {}
+            Some(_) | None => members.add(block, used.as_ref()),
+        }
+    }
+    let unused = members.order.iter().filter(|known| !members.touched[&(known.span, known.name)]);
+    unused.map(|known| finding(subject, known)).collect()
+}
+
+/// Every declaration of a member, and whether anything touches it in any block.
+#[derive(Default)]
+struct Members<'a> {
+    touched: FxHashMap<(Span, &'a str), bool>,
+    order: Vec<Known<'a>>,
+}
+
+struct Known<'a> {
+    span: Span,
+    name: &'a str,
+    /// The structure it is declared in, or the block.
+    owner: &'a str,
+    member: &'a MemberLayout,
+}
+
+impl<'a> Members<'a> {
+    fn add(&mut self, block: &'a BlockLayout, used: Option<&Used>) {
+        self.descend(&block.members, &block.name, "", used);
+    }
+
+    fn descend(
+        &mut self,
+        members: &'a [MemberLayout],
+        owner: &'a str,
+        parent: &str,
+        used: Option<&Used>,
+    ) {
+        for member in members {
+            let path = format!("{parent}{}{}", member.name, "[]".repeat(member.dims.len()));
+            let touched = used.is_none_or(|used| touches(used, &path));
+            let key = (member.span, &*member.name);
+            if !self.touched.contains_key(&key) {
+                let name = &*member.name;
+                self.order.push(Known { span: member.span, name, owner, member });
+            }
+            *self.touched.entry(key).or_default() |= touched || says_padding(&member.name);
+            // Of a structure that nothing touches the whole is reported, not each member.
+            if touched {
+                if let Type::Struct(inner) = member.ty.innermost() {
+                    self.descend(&member.members, &inner.name, &format!("{path}."), used);
+                }
+            }
+        }
+    }
+}
+
+/// Whether a place that is touched is at that path, around it, or below it.
+fn touches(used: &Used, path: &str) -> bool {
+    let below = |outer: &str, inner: &str| {
+        outer.is_empty()
+            || inner.strip_prefix(outer).is_some_and(|rest| {
+                rest.is_empty() || rest.starts_with('.') || rest.starts_with('[')
+            })
+    };
+    let bare = path.trim_end_matches("[]");
+    used.iter().any(|used| below(used, path) || below(bare, used))
+}
+
+/// Whether the name says that nobody is meant to read it.
+fn says_padding(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    name.starts_with('_')
+        || ["pad", "reserved", "unused", "dummy", "spare"].iter().any(|word| name.contains(word))
+}
+
+fn finding(subject: &Subject<'_>, known: &Known<'_>) -> Finding {
+    let Known { span, name, owner, member } = known;
+    let size = member.size.map(|size| format!(", {}", bytes(size))).unwrap_or_default();
+    let message = format!("no function touches `{name}` of `{owner}`{size}");
+    Finding::new(
+        LINT.code,
+        format!("{owner}.{name}"),
+        Place::of(&subject.shader.files, *span),
+        message,
+    )
+    .with_help("remove it here and in every copy, or name it `_pad…` if its bytes are wanted")
+}

@@ -1,0 +1,78 @@
+//! `vec3-array`: elements of three components, four apart.
+
+use super::walk::{Visit, declared, members};
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::shape::Type;
+
+pub(super) const LINT: Lint = Lint {
+    code: "vec3-array",
+    // Legal and common; wrong only if the copy is.
+    level: Level::Allow,
+    what: "an array of `vec3`, whose elements are 16 bytes apart",
+    why: "A `vec3` is 12 bytes but aligned to 16, so the elements of an array of them are 16 \
+          apart under every rule but scalar. An upload of tightly packed `vec3`s is right for \
+          element 0 only. Allowed unless asked for, because the shader is right.",
+    example: "\
+#version 330 core
+layout(std140) uniform Kernel {
+    vec3 samples[7]; // 112 bytes, not 84
+};
+void main() {}
+",
+    fix: "upload 4 floats an element, or declare the array as `vec4` and use the fourth component",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+    let visits = members(subject.shader);
+    visits.iter().filter_map(|visit| apart(subject, visit)).collect()
+}
+
+fn apart(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
+    let member = visit.member();
+    let Type::Vector { scalar, rows: 3 } = *member.ty.innermost() else { return None };
+    let stride = *member.strides.last()?;
+    let packed = 3 * u64::from(scalar.width);
+    if stride <= packed {
+        return None;
+    }
+    let language = subject.shader.language;
+    let ty = member.ty.innermost().spelled(language);
+    let message = format!(
+        "elements of `{}` are {stride} bytes apart: packed `{ty}`s are {packed} apart, and only \
+         the first lands",
+        member.name,
+    );
+    let four = with_innermost(&member.ty, &Type::Vector { scalar, rows: 4 });
+    let size = match member.size {
+        Some(size) => format!("{size} bytes"),
+        None => format!("{stride} bytes an element"),
+    };
+    Some(
+        visit
+            .finding(subject, LINT.code, message)
+            .with_text(format!("array stride {stride}"))
+            .with_help(format!(
+                "upload 4 components an element, or declare `{}`: {size} as before, and the \
+                 fourth component is yours",
+                declared(&member.name, &four, language),
+            )),
+    )
+}
+
+/// The same array of another element.
+pub(super) fn with_innermost(ty: &Type, innermost: &Type) -> Type {
+    match ty {
+        Type::Array { element, len } => Type::Array {
+            element: std::sync::Arc::new(with_innermost(element, innermost)),
+            len: len.clone(),
+        },
+        Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Struct(_) => innermost.clone(),
+    }
+}

@@ -1,0 +1,109 @@
+//! Every member of a shader's blocks with its way down, and the words lints share about it.
+//!
+//! Feeds the lints that look at one member at a time.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashSet;
+
+use super::Subject;
+use landfall_layout::ShaderLayout;
+use landfall_layout::finding::{Finding, Place};
+use landfall_layout::layout::{BlockLayout, MemberLayout};
+use landfall_layout::shape::{ArrayLen, Type};
+use landfall_layout::source::{Language, Span};
+
+/// A member, and where on the way down it stands.
+pub(super) struct Visit<'a> {
+    pub block: &'a BlockLayout,
+    /// The structure it is declared in; `None` for a member of the block itself.
+    pub structure: Option<&'a Arc<str>>,
+    /// `lights[].color`, without the dimensions of its own.
+    pub path: String,
+    /// It and its neighbours, and which of them it is.
+    pub siblings: &'a [MemberLayout],
+    pub index: usize,
+}
+
+impl Visit<'_> {
+    pub fn member(&self) -> &MemberLayout {
+        &self.siblings[self.index]
+    }
+
+    /// A name that stays the same wherever the lines move: `Light.color`, `LightBlock.count`.
+    pub fn about(&self) -> String {
+        match self.structure {
+            Some(name) if !name.is_empty() => format!("{name}.{}", self.member().name),
+            Some(_) | None => format!("{}.{}", self.block.name, self.path),
+        }
+    }
+
+    /// A finding of that lint at the member.
+    pub fn finding(&self, subject: &Subject<'_>, code: &str, message: String) -> Finding {
+        let place = Place::of(&subject.shader.files, self.member().span);
+        Finding::new(code, self.about(), place, message)
+    }
+}
+
+/// The members of all blocks that have bytes, each declaration once for every set of rules.
+pub(super) fn members(shader: &ShaderLayout) -> Vec<Visit<'_>> {
+    let mut found = Vec::new();
+    let mut seen = FxHashSet::default();
+    for block in shader.blocks.iter().filter(|block| block.size.is_some()) {
+        descend(block, None, &block.members, "", &mut seen, &mut found);
+    }
+    found
+}
+
+type Seen<'a> = FxHashSet<(Span, &'a str, &'static str, bool)>;
+
+fn descend<'a>(
+    block: &'a BlockLayout,
+    structure: Option<&'a Arc<str>>,
+    siblings: &'a [MemberLayout],
+    parent: &str,
+    seen: &mut Seen<'a>,
+    found: &mut Vec<Visit<'a>>,
+) {
+    for (index, member) in siblings.iter().enumerate() {
+        // A macro may stand for several members: they share one place.
+        if !seen.insert((member.span, &*member.name, block.rules.name(), member.row_major)) {
+            continue;
+        }
+        let path = format!("{parent}{}", member.name);
+        if let Type::Struct(inner) = member.ty.innermost() {
+            let below = format!("{path}{}.", "[]".repeat(member.dims.len()));
+            descend(block, Some(&inner.name), &member.members, &below, seen, found);
+        }
+        found.push(Visit { block, structure, path, siblings, index });
+    }
+}
+
+/// `vec4 w[16]`, `w: array<vec4<f32>, 16>`.
+pub(super) fn declared(name: &str, ty: &Type, language: Language) -> String {
+    match language {
+        Language::Glsl => {
+            let dims: String = ty
+                .dims()
+                .iter()
+                .map(|len| match len {
+                    ArrayLen::Fixed(n) => format!("[{n}]"),
+                    ArrayLen::Runtime => "[]".to_string(),
+                    ArrayLen::Override(name) => format!("[{name}]"),
+                })
+                .collect();
+            format!("{} {name}{dims}", ty.innermost().spelled(language))
+        }
+        Language::Wgsl => format!("{name}: {}", ty.spelled(language)),
+    }
+}
+
+/// The first few of a list, and how many more there are.
+pub(super) fn first_few(names: &[String]) -> String {
+    const SHOWN: usize = 6;
+    let mut text = names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+    if names.len() > SHOWN {
+        text.push_str(&format!(" and {} more", names.len() - SHOWN));
+    }
+    text
+}

@@ -1,0 +1,88 @@
+//! `webgl2-size`: uniform blocks whose bytes are no multiple of 16, where WebGL 2 wants one.
+
+use super::glob;
+use super::settings::Target;
+use super::show::{bytes, is_called, is_declared, listing, place};
+use super::{Check, Lint, Settings, Subject};
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::shape::{AddressSpace, Rules};
+
+pub(super) const LINT: Lint = Lint {
+    code: "webgl2-size",
+    level: Level::Warn,
+    what: "the members of a uniform block end off a multiple of 16 bytes, and `webgl2` is a target",
+    why: "WebGL 2 takes a uniform block to be as long as std140 makes it, rounded up to 16 bytes. \
+          A buffer made from the members alone, such as the `sizeof` of a host structure, is too \
+          small: browsers refuse the draw, and wgpu refuses the WGSL binding on WebGL. Only asked \
+          for with the target `webgl2`, as elsewhere a WGSL block of 12 bytes is fine, and of a \
+          warning only, as the buffer may well be made large enough; a table in the configuration \
+          that says so silences it.",
+    example: "#version 300 es\n\
+              // Checked with `--target webgl2`.\n\
+              precision highp float;\n\
+              layout(std140) uniform Fog { vec4 color; float start; float end; } u_fog;\n\
+              out vec4 shade;\n\
+              void main() { shade = u_fog.color * u_fog.end; }\n",
+    fix: "End the block with members that fill it up, or make the buffer as large as the layout \
+          says and write it down in a table of the configuration.",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
+    if !settings.targets.contains(&Target::WebGl2) {
+        return Vec::new();
+    }
+    let blocks = subject.shader.blocks.iter();
+    blocks
+        .filter(|block| block.space == AddressSpace::Uniform)
+        .filter(|block| is_declared(block, subject.options))
+        .filter(|block| !is_made_large_enough(subject, block, settings))
+        .filter_map(|block| short(subject, block))
+        .collect()
+}
+
+fn short(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
+    // std140 rounds the size itself up; what a host structure has is where the members end.
+    let end = match block.rules {
+        Rules::Std140 => block.data_size?,
+        Rules::Std430 | Rules::Scalar | Rules::Wgsl => block.size?,
+    };
+    let whole = end.next_multiple_of(16);
+    if end == whole {
+        return None;
+    }
+    let missing = whole - end;
+    let message = match block.rules {
+        Rules::Std140 => format!(
+            "the members of block `{}` end at byte {end}, but WebGL 2 wants a buffer of {}",
+            block.name,
+            bytes(whole)
+        ),
+        Rules::Std430 | Rules::Scalar | Rules::Wgsl => format!(
+            "block `{}` is {}, but WebGL 2 wants a multiple of 16: {}",
+            block.name,
+            bytes(end),
+            bytes(whole)
+        ),
+    };
+    let at = place(subject, block.span);
+    let mut finding = Finding::new(LINT.code, block.name.as_ref(), at, message)
+        .with_text(format!("{} short", bytes(missing)))
+        .with_help(format!(
+            "make the buffer {}, or end the block with {} of padding",
+            bytes(whole),
+            bytes(missing)
+        ));
+    finding.listing = listing(subject.shader, block);
+    Some(finding)
+}
+
+fn is_made_large_enough(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) -> bool {
+    let whole = block.size.map(|size| size.next_multiple_of(16));
+    settings.tables.iter().any(|table| {
+        is_called(block, &table.block)
+            && glob::matches(&table.file, &subject.source.path)
+            && table.size.as_ref().map(|size| size.bytes) >= whole
+    })
+}

@@ -1,0 +1,27 @@
+//! What the commands print.
+
+#[cfg(feature = "exec")]
+pub mod bench;
+#[cfg(feature = "exec")]
+pub mod bind;
+#[cfg(feature = "exec")]
+pub mod compare;
+#[cfg(feature = "exec")]
+pub mod coverage;
+#[cfg(feature = "exec")]
+mod device;
+#[cfg(feature = "exec")]
+pub mod devices;
+pub mod lights;
+#[cfg(feature = "exec")]
+pub mod plan;
+#[cfg(feature = "exec")]
+pub mod render;
+#[cfg(feature = "exec")]
+pub mod run;
+pub mod schema;
+#[cfg(feature = "exec")]
+pub mod stress;
+pub mod unified;
+#[cfg(feature = "exec")]
+pub mod verify;

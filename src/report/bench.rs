@@ -1,0 +1,247 @@
+//! Time against error: a table for people, CSV and JSON for programs.
+//!
+//! Reads the plain data of [`accuracy::bench`](landfall_light::accuracy::bench).
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use unicode_width::UnicodeWidthStr;
+
+use landfall_layout::format::SCHEMA_VERSION;
+pub use landfall_layout::format::csv::quoted;
+use landfall_layout::format::json::{Tool, to_lines};
+pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
+pub use landfall_layout::format::words;
+use landfall_light::accuracy::bench::{Bench, BenchRow, Machine, Permitted, Runner, Spread, Unit};
+
+pub use crate::report::schema::BENCH_SCHEMA;
+
+/// What heads the lines of [`csv`].
+pub const HEADER: &str = "variant,reader,device,clock,\
+ns_per_light,ns_per_light_lower,ns_per_light_upper,ns_per_light_min,\
+ns_per_fragment,ns_per_fragment_lower,ns_per_fragment_upper,ns_per_fragment_min,rounds,\
+err_max_steps,err_p999_steps,err_max_ulp,err_p999_ulp,\
+permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
+flips,channels,err_max_code,differing,non_finite,undefined,\
+evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by\n";
+
+/// A table for each runner.
+pub fn text(bench: &Bench, paint: Paint) -> String {
+    let mut text = String::new();
+    let Bench { subject, truth, unit, fragments, lights, machine, rows, failed } = bench;
+    let (subject, number) = (paint.text(STRONG, subject), words::number(*fragments));
+    let _ = write!(text, "{subject}  {number} {}s", unit.name());
+    if *lights > 0 {
+        let _ = write!(text, ", {lights} lights");
+    }
+    let _ = writeln!(text, "; errors against {truth}");
+    let rounds = rows.iter().map(|row| row.fragment.rounds).max();
+    let _ = writeln!(text, "{}", paint.text(FAINT, &about(machine, rounds)));
+    let mut runners: Vec<&Runner> = Vec::new();
+    for row in rows {
+        if !runners.contains(&&row.runner) {
+            runners.push(&row.runner);
+        }
+    }
+    for runner in runners {
+        let _ = writeln!(
+            text,
+            "\n{}  {}",
+            paint.text(HEADING, &runner.reader),
+            paint.text(PLAIN, &format!("{}; {} time", runner.device, runner.clock.name()))
+        );
+        let rows: Vec<&BenchRow> = rows.iter().filter(|row| row.runner == *runner).collect();
+        table(&rows, *unit, paint, &mut text);
+    }
+    for failed in failed {
+        let said = format!("{} on {}: {}", failed.variant, failed.reader, failed.reason);
+        let _ = writeln!(text, "\n{}", paint.text(CAUTION, &said));
+    }
+    text
+}
+
+/// Where it was measured, and in how many rounds, if in any.
+fn about(machine: &Machine, rounds: Option<u32>) -> String {
+    let Machine { processor, threads, system, load, optimised } = machine;
+    let mut said = format!("{system}, {threads} threads");
+    if let Some(processor) = processor {
+        let _ = write!(said, ", {processor}");
+    }
+    if let Some([before, after]) = load {
+        let _ = write!(said, "; load {before} before, {after} after");
+    }
+    if let Some(rounds) = rounds {
+        let _ = write!(said, "; {rounds} rounds in turns; medians and quartiles");
+    }
+    if !optimised {
+        said.push_str("; built without optimisation: Rust's own times say little");
+    }
+    said
+}
+
+/// The error of a variant of which nothing could be compared.
+const NOTHING: &str = "-";
+
+/// A column of a table: its heading and its cells.
+struct Column {
+    heading: &'static str,
+    cells: Vec<String>,
+}
+
+fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
+    let column = |heading, of: &dyn Fn(&BenchRow) -> String| Column {
+        heading,
+        cells: rows.iter().map(|row| of(row)).collect(),
+    };
+    let optional = |value: Option<f64>| value.map(words::figure).unwrap_or_default();
+    // Where there is nothing to compare, there is no error, which is not one of 0.
+    let steps =
+        |value: Option<f64>| value.map(words::figure).unwrap_or_else(|| NOTHING.to_string());
+    let subtracted = rows.iter().any(|row| row.subtracted);
+    let time = match (unit, subtracted) {
+        (Unit::Fragment, true) => "ns/fragment net",
+        (Unit::Fragment, false) => "ns/fragment",
+        (Unit::Call, true) => "ns/call net",
+        (Unit::Call, false) => "ns/call",
+    };
+    let permitted = |row: &BenchRow, of: fn(&Permitted) -> Option<f64>| {
+        row.permitted.map_or_else(String::new, |permitted| {
+            of(&permitted).map_or_else(|| "any".to_string(), words::figure)
+        })
+    };
+    let unsure = |permitted: Permitted| match permitted.unsure {
+        0 => "0 %".to_string(),
+        n => format!("{} %", words::figure(100.0 * n as f64 / permitted.samples.max(1) as f64)),
+    };
+    let columns = [
+        column("variant", &|row| row.variant.clone()),
+        column("ns/light", &|row| row.light.as_ref().map(spread).unwrap_or_default()),
+        column(time, &|row| spread(&row.fragment)),
+        column("max ulp", &|row| optional(row.errors.max_ulp)),
+        column("99.9 % ulp", &|row| optional(row.errors.p999_ulp)),
+        column("max step", &|row| steps(row.errors.max_steps)),
+        column("99.9 % step", &|row| steps(row.errors.p999_steps)),
+        column("permitted", &|row| permitted(row, |permitted| permitted.max_steps)),
+        column("99.9 %", &|row| permitted(row, |permitted| permitted.p999_steps)),
+        column("unsure", &|row| row.permitted.map(unsure).unwrap_or_default()),
+        column("flips", &|row| {
+            let share = row.errors.flip_share();
+            share.map_or_else(String::new, |share| format!("{} %", words::figure(100.0 * share)))
+        }),
+        column("others", &|row| row.errors.differing.map(words::number).unwrap_or_default()),
+        column("no number", &|row| words::number(row.errors.non_finite)),
+        column("undefined", &|row| words::number(row.errors.undefined)),
+        column("lights", &|row| optional(row.work.evaluations)),
+        column("slots", &|row| optional(row.work.slots)),
+        column("powers", &|row| optional(row.work.powers)),
+        column("operations", &|row| optional(row.work.operations)),
+        column("bytes", &|row| row.work.bytes.map(words::number).unwrap_or_default()),
+        column("better are", &|row| row.dominated_by.join(", ")),
+    ];
+    // A column without anything says nothing.
+    let columns: Vec<&Column> =
+        columns.iter().filter(|column| column.cells.iter().any(|cell| !cell.is_empty())).collect();
+    let widths: Vec<usize> = columns
+        .iter()
+        .map(|column| {
+            let cells = column.cells.iter().map(|cell| cell.width());
+            cells.max().unwrap_or(0).max(column.heading.width())
+        })
+        .collect();
+    let line = |cells: Vec<&str>| -> String {
+        let mut line = String::new();
+        for ((cell, width), column) in cells.iter().zip(&widths).zip(&columns) {
+            let pad = " ".repeat(width - cell.width());
+            // Words are read from the left, numbers from the right.
+            match column.heading {
+                "variant" | "better are" => line += &format!("  {cell}{pad}"),
+                _ => line += &format!("  {pad}{cell}"),
+            }
+        }
+        line.trim_end().to_string()
+    };
+    let headings = line(columns.iter().map(|column| column.heading).collect());
+    let _ = writeln!(text, " {}", paint.text(FAINT, &headings));
+    for (i, row) in rows.iter().enumerate() {
+        let cells = line(columns.iter().map(|column| column.cells[i].as_str()).collect());
+        let (mark, style) = match row.dominated_by.is_empty() && !row.errors.is_no_number() {
+            true => ("*", PLAIN),
+            false => (" ", FAINT),
+        };
+        let _ = writeln!(text, "{mark}{}", paint.text(style, &cells));
+    }
+}
+
+fn spread(spread: &Spread) -> String {
+    let Spread { median, lower, upper, .. } = spread;
+    format!("{} ({} to {})", words::figure(*median), words::figure(*lower), words::figure(*upper))
+}
+
+/// A line a variant, numbers in full.
+pub fn csv(bench: &Bench) -> String {
+    let mut text = HEADER.to_string();
+    for row in &bench.rows {
+        let BenchRow { variant, runner, light, fragment, .. } = row;
+        let BenchRow { errors, permitted, work, dominated_by, .. } = row;
+        let four = |spread: Option<&Spread>| -> [String; 4] {
+            spread.map_or_else(Default::default, |s| {
+                [s.median, s.lower, s.upper, s.min].map(|number| number.to_string())
+            })
+        };
+        let optional = |number: Option<f64>| number.map_or(String::new(), |n| n.to_string());
+        let whole = |number: Option<u64>| number.map_or(String::new(), |n| n.to_string());
+        // Of what may be anything, a number that every reader of tables knows.
+        let steps = |of: fn(&Permitted) -> Option<f64>| {
+            optional(permitted.map(|permitted| of(&permitted).unwrap_or(f64::INFINITY)))
+        };
+        let mut cells = vec![
+            variant.clone(),
+            runner.reader.clone(),
+            runner.device.clone(),
+            runner.clock.name().to_string(),
+        ];
+        cells.extend(four(light.as_ref()));
+        cells.extend(four(Some(fragment)));
+        cells.extend([
+            fragment.rounds.to_string(),
+            optional(errors.max_steps),
+            optional(errors.p999_steps),
+            optional(errors.max_ulp),
+            optional(errors.p999_ulp),
+            steps(|permitted| permitted.max_steps),
+            steps(|permitted| permitted.p999_steps),
+            whole(permitted.map(|permitted| permitted.unsure)),
+            whole(permitted.map(|permitted| permitted.samples)),
+            whole(errors.flips),
+            errors.channels.to_string(),
+            whole(errors.max_code.map(u64::from)),
+            whole(errors.differing),
+            errors.non_finite.to_string(),
+            errors.undefined.to_string(),
+            optional(work.evaluations),
+            optional(work.evaluations_error),
+            optional(work.slots),
+            optional(work.powers),
+            optional(work.operations),
+            whole(work.bytes),
+            dominated_by.join(" "),
+        ]);
+        let cells: Vec<String> = cells.into_iter().map(quoted).collect();
+        let _ = writeln!(text, "{}", cells.join(","));
+    }
+    text
+}
+
+#[derive(Serialize)]
+struct Object<'a> {
+    schema_version: u32,
+    tool: Tool,
+    #[serde(flatten)]
+    bench: &'a Bench,
+}
+
+/// A bench as JSON, as `landfall schema bench` describes it.
+pub fn json(bench: &Bench) -> String {
+    let object = Object { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, bench };
+    format!("{}\n", to_lines(&object, 0))
+}

@@ -1,0 +1,62 @@
+//! A binding map: a row a member for people, and JSON that may be given back as `--bind`.
+//!
+//! Reads a [`BindingMap`] of [`light`](landfall_light).
+
+use std::fmt::Write as _;
+
+use serde_json::{Map, Value};
+use unicode_width::UnicodeWidthStr;
+
+pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint};
+use landfall_light::bind::{BindingMap, Member, Source};
+
+/// A row for each member, texture and input.
+pub fn text(map: &BindingMap, paint: Paint) -> String {
+    let mut text = String::new();
+    let members = map.members.iter().map(|member| (member.key(), &member.source));
+    let bound = |all: &[landfall_light::bind::Bound]| -> Vec<(String, Source)> {
+        all.iter().map(|bound| (bound.name.clone(), bound.source.clone())).collect()
+    };
+    let groups: [(&str, Vec<(String, Source)>); 3] = [
+        ("members", members.map(|(key, source)| (key, source.clone())).collect()),
+        ("textures", bound(&map.textures)),
+        ("inputs", bound(&map.inputs)),
+    ];
+    let all = groups.iter().flat_map(|(_, rows)| rows.iter().map(|(key, _)| key.width()));
+    let width = all.max().unwrap_or(0);
+    for (title, rows) in &groups {
+        if rows.is_empty() {
+            continue;
+        }
+        let _ = writeln!(text, "{}", paint.text(HEADING, title));
+        for (key, source) in rows {
+            let pad = " ".repeat(width - key.width());
+            let said = match source {
+                Source::Unknown => paint.text(CAUTION, "zero: nothing is known of it"),
+                Source::Scene { .. } | Source::Number(_) => paint.text(PLAIN, &source.to_string()),
+            };
+            let _ = writeln!(text, "  {key}{pad}  {said}");
+        }
+    }
+    for note in &map.notes {
+        let _ = writeln!(text, "{}", paint.text(FAINT, &format!("note: {note}")));
+    }
+    text
+}
+
+/// What `--bind` takes: an object from members, textures and inputs to quantities; `null` is
+/// what nothing is known of.
+pub fn json(map: &BindingMap) -> Value {
+    let members = map.members.iter().map(|member| (Member::key(member), &member.source));
+    let bound = map.textures.iter().chain(&map.inputs).map(|b| (b.name.clone(), &b.source));
+    let value = |source: &Source| match source {
+        Source::Unknown => Value::Null,
+        Source::Scene { .. } => Value::String(source.to_string()),
+        Source::Number(numbers) => match &numbers[..] {
+            [one] => Value::from(*one),
+            all => Value::from(all.to_vec()),
+        },
+    };
+    let rows = members.chain(bound).map(|(key, source)| (key, value(source)));
+    Value::Object(rows.collect::<Map<String, Value>>())
+}

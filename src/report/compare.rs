@@ -1,0 +1,67 @@
+//! How far two pictures are apart, for people: what `--compare` prints.
+//!
+//! Reads a [`Comparison`] of [`picture`](landfall_light::picture).
+
+use std::fmt::Write as _;
+
+pub use landfall_layout::format::words;
+use landfall_light::picture::compare::{Comparison, Psnr};
+
+/// A line a measure.
+pub fn human(comparison: &Comparison) -> String {
+    let Comparison { pixels, left_out, non_finite, linear, codes, psnr, flip, .. } = comparison;
+    let mut text = String::new();
+    let mut row = |name: &str, said: String| {
+        let _ = writeln!(text, "{name:<12} {said}");
+    };
+    let mut compared = format!("{pixels} compared");
+    if *left_out > 0 {
+        let _ = write!(compared, ", {left_out} left out as undefined");
+    }
+    row("pixels", compared);
+    let mut said = format!(
+        "max {} steps, 99.9 % within {}, mean {}",
+        words::figure(linear.max),
+        words::figure(linear.p999),
+        words::figure(linear.mean)
+    );
+    if let Some([x, y]) = linear.at {
+        let _ = write!(said, "; largest at column {x}, row {y}");
+    }
+    row("linear", said);
+    if linear.alpha_max > 0.0 {
+        row("alpha", format!("max {} steps", words::figure(linear.alpha_max)));
+    }
+    let [_, one, two, more] = codes.counts;
+    row(
+        "8-bit",
+        format!(
+            "max {} {} ({}); {one} channels differ by 1, {two} by 2, {more} by 3 or more, of {}",
+            codes.max,
+            if codes.max == 1 { "step" } else { "steps" },
+            codes.transfer.name(),
+            codes.channels
+        ),
+    );
+    row("flips", format!("{} % of the codes", words::figure(100.0 * codes.flips)));
+    row(
+        "psnr",
+        match psnr {
+            Psnr::Identical => "infinite: all codes are the same".to_string(),
+            Psnr::Db(db) => format!("{db:.2} dB"),
+            Psnr::Nothing => "nothing to compare".to_string(),
+        },
+    );
+    row("flip", format!("mean {}, max {}", words::figure(flip.mean), words::figure(flip.max)));
+    row(
+        "non-finite",
+        match non_finite.pixels {
+            0 => "none".to_string(),
+            pixels => format!(
+                "{pixels} pixels: {} channels of the first picture, {} of the second",
+                non_finite.a, non_finite.b
+            ),
+        },
+    );
+    text
+}

@@ -1,0 +1,75 @@
+//! Which bytes a shader never reads: a row a leaf, a total a block.
+//!
+//! Reads the plain data of [`run::coverage`](landfall_exec::harness::coverage); part of what
+//! [`verify`](super::verify) prints.
+
+use std::fmt::Write as _;
+
+use unicode_width::UnicodeWidthStr;
+
+use landfall_exec::harness::coverage::{BlockCoverage, LeafCoverage, Verdict};
+pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint};
+pub use landfall_layout::format::words;
+
+/// Ranges of elements that are shown.
+const MOST_RANGES: usize = 4;
+
+/// One block, indented to stand below its line.
+pub fn block(coverage: &BlockCoverage, paint: Paint) -> String {
+    let mut text = String::new();
+    let BlockCoverage { bytes, read, never, leaves, failures, .. } = coverage;
+    let mut total = format!("{read} of {bytes} bytes read");
+    if *never > 0 {
+        let _ = write!(total, ", {} certain to be never read", never);
+    }
+    let _ = writeln!(text, "    {total}");
+    let paths = leaves.iter().map(|leaf| leaf.path.width()).max().unwrap_or(0);
+    let sizes: Vec<String> = leaves.iter().map(|leaf| leaf.bytes.to_string()).collect();
+    let digits = sizes.iter().map(|size| size.width()).max().unwrap_or(0);
+    for (leaf, size) in leaves.iter().zip(&sizes) {
+        let (style, said) = verdict(leaf);
+        let _ = writeln!(
+            text,
+            "      {}{}  {}{size}  {}",
+            leaf.path,
+            " ".repeat(paths - leaf.path.width()),
+            " ".repeat(digits - size.width()),
+            paint.text(style, &said),
+        );
+    }
+    for failure in failures {
+        let _ = writeln!(text, "    {}", paint.text(CAUTION, failure));
+    }
+    text
+}
+
+fn verdict(leaf: &LeafCoverage) -> (anstyle::Style, String) {
+    match leaf.verdict {
+        Verdict::Read => (PLAIN, "read".to_string()),
+        Verdict::Never => (CAUTION, "never read (certain)".to_string()),
+        Verdict::Unread => (FAINT, "not read in these runs".to_string()),
+        Verdict::Partly => {
+            let mut said = format!("{} read", words::number(leaf.read));
+            if leaf.elements > 1 {
+                let mut ranges: Vec<String> = leaf
+                    .elements_read
+                    .iter()
+                    .take(MOST_RANGES)
+                    .map(|[first, last]| match first == last {
+                        true => format!("[{first}]"),
+                        false => format!("[{first}..{last}]"),
+                    })
+                    .collect();
+                if leaf.elements_read.len() > MOST_RANGES {
+                    ranges.push("…".to_string());
+                }
+                let elements = words::number(leaf.elements);
+                let _ = write!(said, ", in {} of {elements} elements", ranges.join(", "));
+            }
+            if leaf.never > 0 {
+                let _ = write!(said, "; {} never (certain)", words::number(leaf.never));
+            }
+            (PLAIN, said)
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! What the lights of a shader cost, for people and as JSON that [`LIGHTS_SCHEMA`] describes.
+//!
+//! Fed by [`light::cost`](crate::report::lights::cost).
+
+mod json;
+
+pub mod cost;
+
+use unicode_width::UnicodeWidthStr as _;
+
+use crate::report::lights::cost::{Found, Light, Report};
+use landfall_ir::analysis::hazards::Bound;
+use landfall_ir::analysis::roles::Form;
+use landfall_layout::ShaderLayout;
+use landfall_layout::diagnostic::{Label, Severity};
+pub use landfall_layout::format::columns;
+use landfall_layout::format::diagnostics::human as diagnostics;
+use landfall_layout::format::diagnostics::render::{Drawing, Pen};
+pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, STRONG, TYPE};
+pub use landfall_layout::format::words::{bytes, number};
+use landfall_layout::format::{Paint, SCHEMA_VERSION};
+use landfall_layout::shape::AddressSpace;
+use landfall_layout::source::{Files, Language};
+
+pub use json::{closing, opening, shader as json};
+
+pub use crate::report::schema::LIGHTS_SCHEMA;
+
+/// One shader's lights for people: a table, the parts of each, then the hazards with excerpts.
+pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
+    let mut text = paint.text(HEADING, &shader.path);
+    text.push('\n');
+    if report.lights.is_empty() {
+        text.push_str("no structure, block or member of a light\n");
+    } else {
+        text.push_str(&table(&report.lights, paint));
+        for light in &report.lights {
+            text.push('\n');
+            text.push_str(&one(light, shader.language, paint));
+        }
+    }
+    if !report.unfollowed.is_empty() {
+        text.push_str(
+            "\nits functions were not followed, so neither loops nor hazards are known:\n",
+        );
+        text.push_str(&diagnostics(&report.unfollowed, &shader.files, paint));
+    } else if report.cut_short {
+        text.push_str("\nits functions are too long to be followed to the end\n");
+    }
+    if !report.hazards.is_empty() {
+        text.push('\n');
+        text.push_str(&hazards(&report.hazards, &shader.files, paint));
+    }
+    text
+}
+
+const TITLES: [&str; 8] =
+    ["kind", "light", "block", "bytes", "padding", "slots", "array", "block bytes"];
+/// The first column of numbers, which stand to the right.
+const NUMBERS: usize = 3;
+
+fn table(lights: &[Light], paint: Paint) -> String {
+    let rows: Vec<[String; 8]> = lights.iter().map(row).collect();
+    let mut widths = TITLES.map(str::width);
+    for row in &rows {
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = (*width).max(cell.width());
+        }
+    }
+    let mut text = columns::row(&TITLES.map(String::from), &widths, NUMBERS, |_, cell| {
+        paint.text(FAINT, cell)
+    });
+    for row in &rows {
+        let style = |column| if column == 1 { STRONG } else { PLAIN };
+        text.push_str(&columns::row(row, &widths, NUMBERS, |column, cell| {
+            paint.text(style(column), cell)
+        }));
+    }
+    text
+}
+
+fn row(light: &Light) -> [String; 8] {
+    let known = |n: Option<u64>| n.map_or("-".to_string(), number);
+    let slots = match (light.is_array, light.slots) {
+        (true, Some(slots)) => number(slots),
+        (true, None) => "any".to_string(),
+        (false, _) => "1".to_string(),
+    };
+    let array = match (light.is_array, light.slots, light.bytes) {
+        (true, Some(slots), Some(bytes)) => slots.checked_mul(bytes),
+        _ => None,
+    };
+    [
+        light.kind.name().to_string(),
+        name(light),
+        block(light),
+        known(light.bytes),
+        known(light.padding),
+        slots,
+        known(array),
+        known(light.block_size),
+    ]
+}
+
+/// `PointLight data[]`, `LightBlock`, `lightPos, lightColor`.
+fn name(light: &Light) -> String {
+    match light.form {
+        Form::Structure if light.structure.is_empty() => light.path.clone(),
+        Form::Structure => format!("{} {}", light.structure, light.path),
+        Form::Block => light.structure.to_string(),
+        Form::Members => {
+            let names: Vec<&str> = light.parts.iter().map(|part| part.path.as_str()).collect();
+            match names.len() {
+                0..=3 => names.join(", "),
+                _ => format!("{}, …", names[..3].join(", ")),
+            }
+        }
+    }
+}
+
+fn block(light: &Light) -> String {
+    match light.space {
+        AddressSpace::Default => "loose uniforms".to_string(),
+        space => {
+            let rules = light.rules.name();
+            format!("{} {} ({rules})", space.name(), light.block)
+        }
+    }
+}
+
+fn one(light: &Light, language: Language, paint: Paint) -> String {
+    let mut text = format!("{}\n", paint.text(STRONG, &name(light)));
+    let rows: Vec<[String; 4]> = light
+        .parts
+        .iter()
+        .map(|part| {
+            let offset = part.offset.map_or("-".to_string(), |offset| offset.to_string());
+            let ty = part.ty.spelled(language).to_string();
+            [part.role.name().replace('_', " "), part.path.clone(), ty, offset]
+        })
+        .collect();
+    let mut widths = [0; 4];
+    for row in &rows {
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = (*width).max(cell.width());
+        }
+    }
+    let pad = |cell: &str, width: usize| " ".repeat(width.saturating_sub(cell.width()));
+    for [role, path, ty, offset] in &rows {
+        text.push_str(&format!(
+            "  {}{}  {path}{}  {}{}  {}{offset}\n",
+            paint.text(FAINT, role),
+            pad(role, widths[0]),
+            pad(path, widths[1]),
+            paint.text(TYPE, ty),
+            pad(ty, widths[2]),
+            pad(offset, widths[3]),
+        ));
+    }
+    if !light.others.is_empty() {
+        text.push_str(&format!("  besides: {}\n", light.others.join(", ")));
+    }
+    if let Some(count) = &light.count {
+        let at = count.offset.map_or(String::new(), |offset| format!(" at byte {offset}"));
+        text.push_str(&format!("  count: {} of {}{at}\n", count.name, count.block));
+    } else if light.is_array {
+        text.push_str("  count: no member says how many slots are in use\n");
+    }
+    if !light.bounds.is_empty() {
+        let all: Vec<String> = light.bounds.iter().map(|bound| words(*bound)).collect();
+        let style = match light.bounds.contains(&Bound::Count) {
+            true => CAUTION,
+            false => PLAIN,
+        };
+        text.push_str(&format!("  index: {}\n", paint.text(style, &all.join("; "))));
+    }
+    if let (Some(better), Some(now)) = (&light.reorder, light.bytes) {
+        let saved = now.saturating_sub(better.bytes);
+        let all = light.slots.unwrap_or(1).saturating_mul(saved);
+        text.push_str(&format!(
+            "  as {}: {} instead of {now}, {} saved in all\n",
+            better.order.join(", "),
+            bytes(better.bytes),
+            bytes(all),
+        ));
+    }
+    text
+}
+
+fn words(bound: Bound) -> String {
+    match bound {
+        Bound::Fixed(index) => format!("constant {index}"),
+        Bound::Constant(n) => format!("a loop to {n}"),
+        Bound::ClampedCount => "a loop to the count, kept within the array".to_string(),
+        Bound::Count => "a loop to the count, which nothing keeps within the array".to_string(),
+        Bound::Length => "a loop to the array's length".to_string(),
+        Bound::Unknown => "not bounded by a loop".to_string(),
+    }
+}
+
+fn hazards(found: &[Found], files: &Files, paint: Paint) -> String {
+    let mut pen = Pen::new(files, paint);
+    let mut text = String::new();
+    for hazard in found {
+        let finding = &hazard.finding;
+        let labels = [Label { span: hazard.span, text: finding.text.clone() }];
+        let mut notes = finding.notes.clone();
+        notes.push(format!("{}, {}", hazard.id, hazard.certainty.name()));
+        text.push_str(&pen.draw(Drawing {
+            severity: Severity::Warning,
+            code: &finding.code,
+            message: &finding.message,
+            origin: None,
+            labels: &labels,
+            notes,
+            listing: None,
+            help: finding.help.as_deref(),
+        }));
+    }
+    text
+}

@@ -1,0 +1,247 @@
+//! What a plan of lighting skips, saves and risks: lines for people, JSON for programs.
+//!
+//! Reads the plain data of [`light::skip`](landfall_light::skip).
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use landfall_layout::format::SCHEMA_VERSION;
+use landfall_layout::format::json::{Tool, to_lines};
+pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, Paint, STRONG};
+pub use landfall_layout::format::words::number;
+use landfall_light::skip::{Claim, Measured, Plan, Step};
+
+pub use crate::report::schema::PLAN_SCHEMA;
+
+/// What a plan saves, a paragraph each option.
+pub fn text(plan: &Plan, paint: Paint) -> String {
+    let savings = &plan.savings;
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{}  {} fragments, {} light evaluations instead of {}{}",
+        paint.text(STRONG, "plan"),
+        number(savings.fragments),
+        number(savings.after),
+        number(savings.before),
+        times(savings.before, savings.after),
+    );
+    let draws = plan.draws.len() as u64;
+    let grids = plan.grids.len() as u64;
+    let _ = writeln!(
+        text,
+        "  {}",
+        paint.text(
+            FAINT,
+            &match grids {
+                0 => count(draws, "draw"),
+                _ => format!("{}, {}", count(draws, "draw"), count(grids, "grid")),
+            }
+        )
+    );
+    for step in &savings.steps {
+        let _ = writeln!(text, "  {}  {}", paint.text(HEADING, &step.option), step.did);
+        if let Some([before, after]) = step.evaluations {
+            let (a, b) = (number(after), number(before));
+            let _ = writeln!(text, "    {a} evaluations instead of {b}{}", times(before, after));
+        }
+        if let Some((certain, said)) = claim(&step.error) {
+            let said = if certain { said } else { paint.text(CAUTION, &said) };
+            let _ = writeln!(text, "    {said}");
+        }
+        if step.tests > 0 {
+            let tests = format!("{} tests of a light against a region", number(step.tests));
+            let _ = writeln!(text, "    {}", paint.text(FAINT, &tests));
+        }
+    }
+    if !savings.compiled.is_empty() {
+        let said = savings.compiled.join(", ");
+        let _ = writeln!(text, "  {}  {said}", paint.text(HEADING, "compiled with"));
+    }
+    if let Some(checked) = &savings.checked {
+        let said = format!(
+            "{} of 255 at most from the light of all lights, on {} fragments by this reader",
+            steps_of(checked.steps),
+            number(checked.fragments)
+        );
+        let kept = plan.keeps(checked);
+        let said = if kept { said } else { paint.text(CAUTION, &said) };
+        let _ = writeln!(text, "  {}  {said}", paint.text(HEADING, "checked"));
+    }
+    for note in &savings.notes {
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, note));
+    }
+    text
+}
+
+/// The same as one JSON document.
+pub fn json(plan: &Plan) -> String {
+    let document =
+        Document { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, plan: object(plan) };
+    format!("{}\n", to_lines(&document, 0))
+}
+
+/// What a larger document holds of it.
+pub(super) fn object(plan: &Plan) -> Body<'_> {
+    let savings = &plan.savings;
+    Body {
+        fragments: savings.fragments,
+        evaluations: Evaluations { before: savings.before, after: savings.after },
+        draws: plan.draws.len(),
+        grids: plan.grids.len(),
+        compiled: CompiledObject {
+            ambient: plan.compiled.ambient,
+            directional: plan.compiled.directional,
+            point: plan.compiled.point,
+            spot: plan.compiled.spot,
+        },
+        constants: &savings.compiled,
+        checked: savings.checked.as_ref().map(MeasuredObject::of),
+        steps: savings.steps.iter().map(StepObject::of).collect(),
+        notes: &savings.notes,
+    }
+}
+
+/// Whether it is certain, and what it says; nothing of an option that was not applied.
+fn claim(error: &Claim) -> Option<(bool, String)> {
+    match error {
+        Claim::Exact(why) => Some((true, format!("exact: {why}"))),
+        Claim::Proven { steps, by } => {
+            Some((true, format!("at most {} of 255 too dark, proven by {by}", steps_of(*steps))))
+        }
+        Claim::Measured(Measured { steps, codes, of, fragments, every }) => {
+            let part = 100.0 * *codes as f64 / (*of).max(1) as f64;
+            let sample = match every {
+                0 | 1 => String::new(),
+                n => format!(", every {n}th of them"),
+            };
+            Some((
+                false,
+                format!(
+                    "measured, not proven: up to {} of 255, {part:.2} % of the codes differ, on \
+                     {} fragments{sample}",
+                    steps_of(*steps),
+                    number(*fragments),
+                ),
+            ))
+        }
+        Claim::Unmeasured => Some((false, "nothing bounds its error".to_string())),
+        Claim::Unused => None,
+    }
+}
+
+fn steps_of(steps: f64) -> String {
+    match steps {
+        s if s >= 10.0 => format!("{s:.0} steps"),
+        s if s >= 0.01 || s == 0.0 => format!("{s:.2} steps"),
+        s => format!("{s:.1e} steps"),
+    }
+}
+
+fn times(before: u64, after: u64) -> String {
+    if after == 0 || before == after {
+        return String::new();
+    }
+    let ratio = before as f64 / after as f64;
+    if ratio >= 10.0 {
+        format!(", {ratio:.1} times fewer")
+    } else {
+        format!(", {ratio:.2} times fewer")
+    }
+}
+
+fn count(n: u64, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{} {what}s", number(n)) }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema_version: u32,
+    tool: Tool,
+    #[serde(flatten)]
+    plan: Body<'a>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Body<'a> {
+    fragments: u64,
+    evaluations: Evaluations,
+    draws: usize,
+    grids: usize,
+    compiled: CompiledObject,
+    constants: &'a [String],
+    checked: Option<MeasuredObject>,
+    steps: Vec<StepObject<'a>>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct Evaluations {
+    before: u64,
+    after: u64,
+}
+
+#[derive(Serialize)]
+struct CompiledObject {
+    ambient: bool,
+    directional: u32,
+    point: u32,
+    spot: u32,
+}
+
+#[derive(Serialize)]
+struct StepObject<'a> {
+    option: &'a str,
+    did: &'a str,
+    evaluations: Option<Evaluations>,
+    error: ErrorObject<'a>,
+    tests: u64,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum ErrorObject<'a> {
+    Exact { why: &'a str },
+    Proven { steps: f64, by: &'a str },
+    Measured(MeasuredObject),
+    Unmeasured,
+    Unused,
+}
+
+#[derive(Serialize)]
+struct MeasuredObject {
+    steps: Option<f64>,
+    codes: u64,
+    of: u64,
+    fragments: u64,
+    every: u64,
+}
+
+impl MeasuredObject {
+    fn of(measured: &Measured) -> MeasuredObject {
+        let Measured { steps, codes, of, fragments, every } = *measured;
+        // JSON has no infinity: what is not a number in one picture only.
+        let steps = Some(steps).filter(|steps| steps.is_finite());
+        MeasuredObject { steps, codes, of, fragments, every }
+    }
+}
+
+impl<'a> StepObject<'a> {
+    fn of(step: &'a Step) -> StepObject<'a> {
+        let error = match &step.error {
+            Claim::Exact(why) => ErrorObject::Exact { why },
+            Claim::Proven { steps, by } => ErrorObject::Proven { steps: *steps, by },
+            Claim::Measured(measured) => ErrorObject::Measured(MeasuredObject::of(measured)),
+            Claim::Unmeasured => ErrorObject::Unmeasured,
+            Claim::Unused => ErrorObject::Unused,
+        };
+        StepObject {
+            option: &step.option,
+            did: &step.did,
+            evaluations: step.evaluations.map(|[before, after]| Evaluations { before, after }),
+            error,
+            tests: step.tests,
+        }
+    }
+}

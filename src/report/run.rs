@@ -1,0 +1,198 @@
+//! What calling a function gave: columns for people, JSON for programs.
+//!
+//! Reads the plain data of [`run::call`](landfall_exec::harness::call).
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use serde_json::Value;
+use unicode_width::UnicodeWidthStr;
+
+use super::device::JsonDevice;
+use super::verify::about;
+pub use landfall_exec::harness::call::report::{GivenObject, function_name, number};
+use landfall_exec::harness::call::{CallReport, Given};
+use landfall_ir::module::Direction;
+use landfall_layout::buffer::Datum;
+use landfall_layout::format::SCHEMA_VERSION;
+use landfall_layout::format::json::{Tool, to_lines};
+pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
+use landfall_layout::shape::Scalar;
+
+pub use crate::report::schema::RUN_SCHEMA;
+
+/// Past this, a difference is worth a second look: twice what a division may be off in Vulkan.
+const FAR: f64 = 5.0;
+
+struct Row {
+    name: String,
+    value: String,
+    double: String,
+    ulp: String,
+    far: bool,
+}
+
+/// One call: a row for each scalar that came back.
+pub fn text(report: &CallReport, paint: Paint) -> String {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{}  {}",
+        paint.text(STRONG, &report.function),
+        paint.text(FAINT, &report.path)
+    );
+    let _ = writeln!(
+        text,
+        "  {}  {}",
+        paint.text(HEADING, report.reader.reader),
+        paint.text(PLAIN, &about(&report.reader))
+    );
+    let mut rows = Vec::new();
+    if let Some(given) = &report.result {
+        push(&mut rows, "result", given);
+    }
+    for (name, _, given) in &report.parameters {
+        push(&mut rows, name, given);
+    }
+    if rows.is_empty() {
+        text.push_str("  it gives nothing back\n");
+    } else {
+        table(&rows, paint, &mut text);
+    }
+    if report.discarded {
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, "it met a `discard`"));
+    }
+    for note in &report.notes {
+        let _ = writeln!(text, "  {}", paint.text(FAINT, note));
+    }
+    text
+}
+
+fn push(rows: &mut Vec<Row>, name: &str, given: &Given) {
+    for scalar in &given.scalars {
+        let shown = |datum: Datum| match datum.is_nan() {
+            true => "nan".to_string(),
+            false => datum.to_string(),
+        };
+        let double = |double: f64| shown(Datum { scalar: Scalar::F64, bits: double.to_bits() });
+        let apart = scalar.double.is_some() && scalar.ulp.is_none();
+        rows.push(Row {
+            name: format!("{name}{}", scalar.path),
+            value: shown(scalar.value),
+            double: scalar.double.map(double).unwrap_or_default(),
+            ulp: match scalar.ulp {
+                Some(ulp) if ulp < 1000.0 => format!("{ulp:.2}"),
+                Some(ulp) => format!("{ulp:.3e}"),
+                None if apart => "apart".to_string(),
+                None => String::new(),
+            },
+            far: apart || scalar.ulp.is_some_and(|ulp| ulp > FAR),
+        });
+    }
+}
+
+fn table(rows: &[Row], paint: Paint, text: &mut String) {
+    let widest = |of: fn(&Row) -> &str, least: usize| {
+        rows.iter().map(|row| of(row).width()).max().unwrap_or(0).max(least)
+    };
+    let widths =
+        [widest(|row| &row.name, 0), widest(|row| &row.value, 3), widest(|row| &row.double, 3)];
+    let pad = |text: &str, width: usize| " ".repeat(width - text.width());
+    let has_doubles = rows.iter().any(|row| !row.double.is_empty());
+    if has_doubles {
+        let heading = format!(
+            "  {}  f32{}  f64{}  ulp",
+            pad("", widths[0]),
+            pad("f32", widths[1]),
+            pad("f64", widths[2])
+        );
+        let _ = writeln!(text, "{}", paint.text(FAINT, &heading));
+    }
+    for row in rows {
+        let mut line = format!(
+            "  {}{}  {}{}  {}{}  ",
+            row.name,
+            pad(&row.name, widths[0]),
+            row.value,
+            pad(&row.value, widths[1]),
+            row.double,
+            pad(&row.double, widths[2]),
+        );
+        line.push_str(&paint.text(if row.far { CAUTION } else { PLAIN }, &row.ulp));
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+}
+
+#[derive(Serialize)]
+struct Object<'a> {
+    schema_version: u32,
+    tool: Tool,
+    path: &'a str,
+    function: &'a str,
+    reader: JsonDevice<'a>,
+    result: Option<GivenObject>,
+    parameters: Vec<ParameterObject<'a>>,
+    discarded: bool,
+    operations: Option<u64>,
+    undefined: Vec<UndefinedObject<'a>>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct ParameterObject<'a> {
+    name: &'a str,
+    direction: &'static str,
+    #[serde(flatten)]
+    given: GivenObject,
+}
+
+#[derive(Serialize)]
+struct UndefinedObject<'a> {
+    what: &'static str,
+    function: &'a str,
+    path: Option<String>,
+    line: Option<u32>,
+    column: Option<u32>,
+    count: u64,
+    operands: Vec<Value>,
+}
+
+/// One call as JSON, as `landfall schema run` describes it.
+pub fn json(report: &CallReport) -> String {
+    let parameters = report.parameters.iter().map(|(name, direction, given)| ParameterObject {
+        name,
+        direction: match direction {
+            Direction::In => "in",
+            Direction::Out => "out",
+            Direction::InOut => "inout",
+        },
+        given: GivenObject::of(given),
+    });
+    let undefined = report.undefined.iter().map(|seen| {
+        let known = !seen.place.shown.is_empty();
+        let place = known.then(|| report.files.locate(seen.place.span));
+        UndefinedObject {
+            what: seen.kind.text(),
+            function: function_name(&seen.place.function),
+            line: place.as_ref().map(|place| place.line),
+            column: place.as_ref().map(|place| place.column),
+            path: place.map(|place| place.path),
+            count: seen.count,
+            operands: seen.operands.iter().map(|operand| number(*operand)).collect(),
+        }
+    });
+    let object = Object {
+        schema_version: SCHEMA_VERSION,
+        tool: Tool::LANDFALL,
+        path: &report.path,
+        function: &report.function,
+        reader: JsonDevice::from(&report.reader),
+        result: report.result.as_ref().map(GivenObject::of),
+        parameters: parameters.collect(),
+        discarded: report.discarded,
+        operations: report.operations,
+        undefined: undefined.collect(),
+        notes: &report.notes,
+    };
+    format!("{}\n", to_lines(&object, 0))
+}

@@ -1,0 +1,222 @@
+//! What stressing a function found: a table and findings for people, SARIF; [`json`] for programs.
+//!
+//! Reads the plain data of [`accuracy::stress`](landfall_light::accuracy::stress).
+
+mod json;
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+pub use self::json::{STRESS_SCHEMA, json};
+pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
+pub use landfall_layout::format::words;
+use landfall_light::accuracy::stress::words::{figure, number};
+use landfall_light::accuracy::stress::{Odd, ReaderReport, Report, Tally, Verdict, command};
+use landfall_lint::render::{ReportFormat, ReportOptions, report};
+
+/// The share of samples the second figure of each error leaves out.
+const SHARE: f64 = 0.999;
+
+/// A table of the samples, then the findings with their lines.
+pub fn text(stressed: &Report, paint: Paint) -> String {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{}  {}",
+        paint.text(STRONG, &stressed.function),
+        paint.text(FAINT, &stressed.path)
+    );
+    let threads = match stressed.threads {
+        1 => "1 thread".to_string(),
+        threads => format!("{threads} threads"),
+    };
+    let ran = match stressed.every {
+        Some(1) => "the only input".to_string(),
+        Some(all) => format!("all {} inputs", words::number(all)),
+        None => format!("{} samples", words::number(stressed.total.samples)),
+    };
+    let _ = writeln!(
+        text,
+        "  {ran} in {:.1} s, {} a second on {threads}, seed {}{}",
+        stressed.seconds,
+        words::number(stressed.rate as u64),
+        stressed.seed,
+        if stressed.stopped { ", stopped before the end" } else { "" }
+    );
+    table(stressed, paint, &mut text);
+    let worst = ["largest in ULP", "largest in steps"].into_iter().zip(&stressed.worst);
+    for (what, worst) in worst.filter(|(_, worst)| worst.off.ulp > 0.0) {
+        let _ = writeln!(
+            text,
+            "  {what}: {} ULP, {} steps with {}",
+            figure(worst.off.ulp),
+            figure(worst.off.steps),
+            cut(&worst.sample.shown())
+        );
+        if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
+            let line = format!(
+                "    one ULP of `{}` moves the result by {} steps; condition {}",
+                condition.path,
+                figure(condition.steps),
+                figure(condition.number)
+            );
+            let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+        }
+    }
+    stressed.readers.iter().for_each(|reader| driver(reader, paint, &mut text));
+    for note in &stressed.notes {
+        let _ = writeln!(text, "  {}", paint.text(FAINT, note));
+    }
+    text.push('\n');
+    text.push_str(&rendered(stressed, ReportFormat::Human, paint));
+    text
+}
+
+/// Characters of a command that people are shown.
+const LONG: usize = 600;
+
+/// What a driver made of the samples, below the table.
+fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
+    let name = reader.reader;
+    if let Some(device) = &reader.device {
+        let version = format!("{} {}", device.driver, device.version);
+        let rate = match reader.ran() {
+            true => format!(", {} samples a second", words::number(reader.rate as u64)),
+            false => String::new(),
+        };
+        let _ = writeln!(text, "  {name}: {}, {}{rate}", device.adapter, version.trim());
+    }
+    if let Some(failure) = &reader.failure {
+        let what = if reader.ran() { "stopped" } else { "did not run" };
+        let line = format!("{name} {what}: {failure}");
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, &line));
+    }
+    let same = |pair: &[_]| matches!(pair, [a, b] if a == b);
+    let arguments: Vec<_> = reader.worst.iter().map(|worst| &worst.case.arguments).collect();
+    let names: &[&str] = match same(&arguments) {
+        true => &["largest in ULP and in steps"],
+        false => &["largest in ULP", "largest in steps"],
+    };
+    for (what, case) in names.iter().zip(&reader.worst) {
+        let verdict = match case.verdict {
+            Some(Verdict::Permitted) => ", as any conformant adapter may be",
+            Some(Verdict::Wrong) => ", wrong on this adapter",
+            None => "",
+        };
+        let off = case.off().unwrap_or_default();
+        let (ulp, steps, inputs) = (figure(off.ulp), figure(off.steps), cut(&case.case.shown()));
+        let _ =
+            writeln!(text, "  {name}: {what}: {ulp} ULP, {steps} steps{verdict}, with {inputs}");
+        let given = case.results.iter().zip(&case.case.results);
+        let given: Vec<String> = given
+            .map(|(single, truth)| {
+                let (single, double) = (number(f64::from(*single)), number(truth.double));
+                format!("{} is {single}, should be {double}", truth.path)
+            })
+            .collect();
+        let again = match command(&case.case.arguments) {
+            long if long.len() > LONG => "`--format json` has the command that repeats it".into(),
+            short => short,
+        };
+        for line in [cut(&given.join("; ")), again] {
+            let _ = writeln!(text, "{}", paint.text(FAINT, &format!("    {line}")));
+        }
+    }
+    let parted = Odd { count: reader.parted, cases: Vec::new() };
+    let odd = [
+        (&reader.not_finite, "not finite where the evaluator is"),
+        (&reader.hidden, "finite where the evaluator is not"),
+        (&reader.apart, "off by more than is asked for where the evaluator is not"),
+        (&parted, "discarded by one of the two"),
+    ];
+    for (odd, what) in odd.iter().filter(|(odd, _)| odd.count > 0) {
+        let _ = writeln!(text, "  {name}: {} {what}", times(odd.count));
+    }
+}
+
+fn times(count: u64) -> String {
+    match count {
+        1 => "1 sample".to_string(),
+        count => format!("{count} samples"),
+    }
+}
+
+/// A page with the map of errors and the findings below it.
+pub fn page(stressed: &Report, svg: &str) -> String {
+    let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let title = escaped(&stressed.function);
+    let findings = escaped(&text(stressed, Paint::Plain));
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
+         <body>\n{svg}\n<pre>{findings}</pre>\n</body>\n</html>\n"
+    )
+}
+
+/// Longest line of values that is printed.
+const LINE: usize = 400;
+
+fn cut(values: &str) -> String {
+    match values.char_indices().nth(LINE) {
+        Some((at, _)) => format!("{}…", &values[..at]),
+        None => values.to_string(),
+    }
+}
+
+/// The findings in a format of `check`.
+pub fn rendered(stressed: &Report, format: ReportFormat, paint: Paint) -> String {
+    let lints = stressed.lints();
+    let text = |path: &str| -> Option<Arc<str>> {
+        stressed.files.iter().find(|file| file.path == path).map(|file| file.text.clone())
+    };
+    report(&lints, format, &ReportOptions { paint, text: &text, shaders: 1 })
+}
+
+/// The findings as SARIF.
+pub fn sarif(stressed: &Report) -> String {
+    rendered(stressed, ReportFormat::Sarif, Paint::Plain)
+}
+
+fn table(stressed: &Report, paint: Paint, text: &mut String) {
+    let head =
+        ["", "samples", "NaN", "inf", "max ULP", "p99.9", "max rel", "p99.9", "max steps", "p99.9"];
+    let mut rows: Vec<Vec<String>> = vec![head.map(str::to_string).to_vec()];
+    let mut row = |name: &str, tally: &Tally| {
+        let mut row = vec![name.to_string(), tally.samples.to_string()];
+        row.extend([tally.nan.to_string(), tally.infinite.to_string()]);
+        for spread in [&tally.ulp, &tally.relative, &tally.steps] {
+            row.extend([figure(spread.max), figure(spread.quantile(SHARE))]);
+        }
+        rows.push(row);
+    };
+    for (family, tally) in &stressed.families {
+        if tally.samples > 0 {
+            row(family.name(), tally);
+        }
+    }
+    row("all finite inputs", &stressed.total);
+    for reader in stressed.readers.iter().filter(|reader| reader.ran()) {
+        row(&format!("the same on {}", reader.reader), &reader.tally);
+    }
+    let widths: Vec<usize> = (0..head.len())
+        .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
+        .collect();
+    for (nth, row) in rows.iter().enumerate() {
+        let mut line = String::from("  ");
+        for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+            let pad = " ".repeat(width - cell.chars().count());
+            match column {
+                0 => line.push_str(&format!("{cell}{pad}")),
+                _ => line.push_str(&format!("  {pad}{cell}")),
+            }
+        }
+        let odd = nth > 0 && (row[2] != "0" || row[3] != "0") && row[0] != "special";
+        let style = if nth == 0 {
+            FAINT
+        } else if odd {
+            CAUTION
+        } else {
+            PLAIN
+        };
+        let _ = writeln!(text, "{}", paint.text(style, line.trim_end()));
+    }
+}

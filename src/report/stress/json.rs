@@ -1,0 +1,436 @@
+//! The report of a stressed function as JSON.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::SHARE;
+use crate::report::device::JsonAsked;
+use landfall_layout::format::SCHEMA_VERSION;
+use landfall_layout::format::json::{Tool, to_lines};
+use landfall_light::accuracy::stress::words::{name, number};
+use landfall_light::accuracy::stress::{
+    Came, Case, Condition, DriverCase, Family, Found, Odd, Off, Outcome, ReaderReport, Report,
+    Spread, Tally, Verdict, command,
+};
+
+pub use crate::report::schema::STRESS_SCHEMA;
+
+#[derive(Serialize)]
+struct Object<'a> {
+    schema_version: u32,
+    tool: Tool,
+    path: &'a str,
+    function: &'a str,
+    precision: &'static str,
+    seed: u64,
+    threads: usize,
+    seconds: f64,
+    samples_per_second: f64,
+    stopped: bool,
+    all_inputs: Option<u64>,
+    inputs: Vec<InputObject<'a>>,
+    families: Vec<FamilyObject>,
+    total: TallyObject,
+    worst: Vec<WorstObject<'a>>,
+    readers: Vec<ReaderObject<'a>>,
+    findings: Vec<FoundObject<'a>>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct InputObject<'a> {
+    path: &'a str,
+    domain: &'a str,
+}
+
+#[derive(Serialize)]
+struct FamilyObject {
+    family: &'static str,
+    #[serde(flatten)]
+    tally: TallyObject,
+}
+
+#[derive(Serialize)]
+struct TallyObject {
+    samples: u64,
+    discarded: u64,
+    nan: u64,
+    infinite: u64,
+    endless: u64,
+    undefined_operations: u64,
+    ulp: SpreadObject,
+    relative: SpreadObject,
+    steps: SpreadObject,
+}
+
+#[derive(Serialize)]
+struct ReaderObject<'a> {
+    #[serde(flatten)]
+    asked: JsonAsked<'a>,
+    failure: Option<&'a str>,
+    samples: u64,
+    samples_per_second: f64,
+    discarded: u64,
+    discards_otherwise: u64,
+    nan: u64,
+    infinite: u64,
+    ulp: SpreadObject,
+    relative: SpreadObject,
+    steps: SpreadObject,
+    worst: Vec<DriverCaseObject<'a>>,
+    not_finite_here: OddObject<'a>,
+    finite_here: OddObject<'a>,
+    apart: OddObject<'a>,
+}
+
+#[derive(Serialize)]
+struct OddObject<'a> {
+    samples: u64,
+    cases: Vec<DriverCaseObject<'a>>,
+}
+
+#[derive(Serialize)]
+struct DriverCaseObject<'a> {
+    by: Option<&'static str>,
+    outcome: &'static str,
+    error: Option<OffObject>,
+    results: Vec<Value>,
+    permitted: Option<bool>,
+    condition: Option<ConditionObject<'a>>,
+    case: CaseObject<'a>,
+}
+
+#[derive(Serialize)]
+struct SpreadObject {
+    max: Value,
+    p999: Value,
+}
+
+#[derive(Serialize)]
+struct WorstObject<'a> {
+    by: &'static str,
+    error: OffObject,
+    condition: Option<ConditionObject<'a>>,
+    case: CaseObject<'a>,
+}
+
+#[derive(Serialize)]
+struct OffObject {
+    ulp: Value,
+    relative: Value,
+    steps: Value,
+}
+
+#[derive(Serialize)]
+struct ConditionObject<'a> {
+    path: &'a str,
+    steps: Value,
+    number: Value,
+}
+
+#[derive(Serialize)]
+struct CaseObject<'a> {
+    inputs: serde_json::Map<String, Value>,
+    results: Vec<ResultObject<'a>>,
+    command: String,
+}
+
+#[derive(Serialize)]
+struct ResultObject<'a> {
+    path: &'a str,
+    f32: Value,
+    f64: Value,
+}
+
+#[derive(Serialize)]
+struct FoundObject<'a> {
+    hazard: Option<&'static str>,
+    code: &'static str,
+    level: &'static str,
+    message: String,
+    function: &'a str,
+    path: Option<String>,
+    line: Option<u32>,
+    column: Option<u32>,
+    excerpt: &'a str,
+    reader: Option<&'static str>,
+    undefined: Option<&'static str>,
+    operation: Option<OperationObject>,
+    about: &'a [String],
+    outcome: &'static str,
+    error: Option<OffObject>,
+    breach_steps: Option<Value>,
+    permitted: Option<PermittedObject>,
+    condition: Option<ConditionObject<'a>>,
+    rewrite: &'static str,
+    gain: Option<GainObject>,
+    against: Option<AgainstObject<'a>>,
+    readers: Vec<AskedObject<'a>>,
+    seen: usize,
+    plausible: bool,
+    case: CaseObject<'a>,
+}
+
+#[derive(Serialize)]
+struct PermittedObject {
+    steps: Value,
+    any_adapter: bool,
+}
+
+#[derive(Serialize)]
+struct AgainstObject<'a> {
+    function: &'a str,
+    outcome: &'static str,
+    steps: Option<Value>,
+}
+
+#[derive(Serialize)]
+struct AskedObject<'a> {
+    reader: &'a str,
+    results: Vec<Value>,
+    failure: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct OperationObject {
+    name: &'static str,
+    operands: Vec<PairObject>,
+    result: PairObject,
+}
+
+#[derive(Serialize)]
+struct PairObject {
+    f32: Value,
+    f64: Value,
+}
+
+#[derive(Serialize)]
+struct GainObject {
+    form: &'static str,
+    before: Value,
+    after: Value,
+}
+
+/// The report as JSON, as `landfall schema stress` describes it.
+pub fn json(stressed: &Report) -> String {
+    let object = Object {
+        schema_version: SCHEMA_VERSION,
+        tool: Tool::LANDFALL,
+        path: &stressed.path,
+        function: &stressed.function,
+        precision: stressed.precision,
+        seed: stressed.seed,
+        threads: stressed.threads,
+        seconds: stressed.seconds,
+        samples_per_second: stressed.rate,
+        stopped: stressed.stopped,
+        all_inputs: stressed.every,
+        inputs: stressed
+            .inputs
+            .iter()
+            .map(|(input, domain)| InputObject { path: &input.path, domain })
+            .collect(),
+        families: stressed
+            .families
+            .iter()
+            .map(|(family, tally): &(Family, Tally)| FamilyObject {
+                family: family.name(),
+                tally: tally_object(tally),
+            })
+            .collect(),
+        total: tally_object(&stressed.total),
+        worst: ["ulp", "steps"]
+            .into_iter()
+            .zip(&stressed.worst)
+            .map(|(by, worst)| WorstObject {
+                by,
+                error: off(&worst.off),
+                condition: worst.condition.as_ref().map(condition),
+                case: case(&worst.sample),
+            })
+            .collect(),
+        readers: stressed.readers.iter().map(reader_object).collect(),
+        findings: stressed.findings.iter().map(|found| finding(stressed, found)).collect(),
+        notes: &stressed.notes,
+    };
+    format!("{}\n", to_lines(&object, 0))
+}
+
+fn spread(spread: &Spread) -> SpreadObject {
+    SpreadObject { max: plain(spread.max), p999: plain(spread.quantile(SHARE)) }
+}
+
+fn reader_object(reader: &ReaderReport) -> ReaderObject<'_> {
+    let tally = &reader.tally;
+    let worst = ["ulp", "steps"].into_iter().zip(&reader.worst);
+    ReaderObject {
+        asked: JsonAsked::new(reader.reader, reader.device.as_ref()),
+        failure: reader.failure.as_deref(),
+        samples: tally.samples,
+        samples_per_second: reader.rate,
+        discarded: tally.discarded,
+        discards_otherwise: reader.parted,
+        nan: tally.nan,
+        infinite: tally.infinite,
+        ulp: spread(&tally.ulp),
+        relative: spread(&tally.relative),
+        steps: spread(&tally.steps),
+        worst: worst.map(|(by, found)| driver_case(Some(by), found)).collect(),
+        not_finite_here: odd_object(&reader.not_finite),
+        finite_here: odd_object(&reader.hidden),
+        apart: odd_object(&reader.apart),
+    }
+}
+
+fn odd_object(odd: &Odd) -> OddObject<'_> {
+    let cases = odd.cases.iter().map(|found| driver_case(None, found)).collect();
+    OddObject { samples: odd.count, cases }
+}
+
+fn driver_case<'a>(by: Option<&'static str>, found: &'a DriverCase) -> DriverCaseObject<'a> {
+    DriverCaseObject {
+        by,
+        outcome: match found.outcome {
+            Came::NotANumber => "nan",
+            Came::Infinite => "infinite",
+            Came::Finite(_) => "finite",
+        },
+        error: found.off().as_ref().map(off),
+        results: found.results.iter().map(|x| single(*x)).collect(),
+        permitted: found.verdict.map(|verdict| verdict == Verdict::Permitted),
+        condition: found.condition.as_ref().map(condition),
+        case: case(&found.case),
+    }
+}
+
+fn tally_object(tally: &Tally) -> TallyObject {
+    TallyObject {
+        samples: tally.samples,
+        discarded: tally.discarded,
+        nan: tally.nan,
+        infinite: tally.infinite,
+        endless: tally.endless,
+        undefined_operations: tally.undefined,
+        ulp: spread(&tally.ulp),
+        relative: spread(&tally.relative),
+        steps: spread(&tally.steps),
+    }
+}
+
+/// A number, or the name of what JSON has none for.
+fn plain(x: f64) -> Value {
+    match x.is_finite() {
+        true => Value::from(x),
+        false => Value::from(number(x).to_lowercase()),
+    }
+}
+
+fn single(x: f32) -> Value {
+    match x.is_finite() {
+        // The shortest digits that are this f32.
+        true => format!("{x:?}").parse::<f64>().map_or(Value::Null, Value::from),
+        false => Value::from(number(f64::from(x)).to_lowercase()),
+    }
+}
+
+fn off(off: &Off) -> OffObject {
+    OffObject { ulp: plain(off.ulp), relative: plain(off.relative), steps: plain(off.steps) }
+}
+
+fn condition(condition: &Condition) -> ConditionObject<'_> {
+    ConditionObject {
+        path: &condition.path,
+        steps: plain(condition.steps),
+        number: plain(condition.number),
+    }
+}
+
+fn case(case: &Case) -> CaseObject<'_> {
+    let inputs = case
+        .inputs
+        .iter()
+        .map(|(path, text)| (path.clone(), serde_json::from_str(text).unwrap_or(Value::Null)));
+    CaseObject {
+        inputs: inputs.collect(),
+        results: case
+            .results
+            .iter()
+            .map(|r| ResultObject { path: &r.path, f32: single(r.single), f64: plain(r.double) })
+            .collect(),
+        command: command(&case.arguments),
+    }
+}
+
+fn came_to(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome::Discarded => "discarded",
+        Outcome::NotANumber => "nan",
+        Outcome::Infinite => "infinite",
+        Outcome::Off(..) => "finite",
+    }
+}
+
+fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
+    let known = !found.place.shown.is_empty();
+    let place = known.then(|| stressed.files.locate(found.place.span));
+    let pair = |n: &landfall_exec::interp::Number| PairObject {
+        f32: single(n.single),
+        f64: plain(n.double),
+    };
+    FoundObject {
+        hazard: (!found.hazard.id.is_empty()).then_some(found.hazard.id),
+        code: found.hazard.code,
+        level: found.level.name(),
+        message: found.message(),
+        function: &found.place.function,
+        line: place.as_ref().map(|place| place.line),
+        column: place.as_ref().map(|place| place.column),
+        path: place.map(|place| place.path),
+        excerpt: stressed.files.text(found.place.span),
+        reader: found.reader,
+        undefined: found.kind.map(landfall_exec::interp::UndefinedKind::text),
+        operation: found.operation.as_ref().map(|operation| OperationObject {
+            name: name(operation.operation),
+            operands: operation.operands.iter().map(pair).collect(),
+            result: pair(&operation.result),
+        }),
+        about: &found.about,
+        outcome: came_to(&found.outcome),
+        error: match &found.outcome {
+            Outcome::Off(error, _) => Some(off(error)),
+            Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+        },
+        breach_steps: found.breach.map(plain),
+        permitted: found
+            .permitted
+            .as_ref()
+            .map(|p| PermittedObject { steps: plain(p.steps), any_adapter: p.any }),
+        condition: found.condition.as_ref().map(condition),
+        rewrite: found.hazard.rewrite,
+        gain: found.gain.as_ref().map(|gain| GainObject {
+            form: gain.form,
+            before: plain(gain.before),
+            after: plain(gain.after),
+        }),
+        against: found.against.as_ref().map(|against| AgainstObject {
+            function: &against.function,
+            outcome: came_to(&against.outcome),
+            steps: match &against.outcome {
+                Outcome::Off(off, _) => Some(plain(off.steps)),
+                Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+            },
+        }),
+        readers: found
+            .readers
+            .iter()
+            .map(|asked| AskedObject {
+                reader: asked.reader,
+                results: asked.results.iter().map(|x| single(*x)).collect(),
+                failure: asked.failure.as_deref(),
+            })
+            .collect(),
+        seen: found.seen,
+        plausible: found.plausible,
+        case: case(&found.case),
+    }
+}

@@ -1,0 +1,340 @@
+//! `landfall bench`: what it takes, what it writes, and what it refuses.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use landfall_light::accuracy::bench::{Bench, BenchRow};
+
+fn landfall(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    command.args(arguments).output().expect("the binary was built for this test")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("text")
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bench-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+const SCENE: &str = "shaders/scenes/six_lights.json";
+const SMALL: [&str; 4] = ["--size", "40x30", "--rounds", "3"];
+
+fn bench(arguments: &[&str]) -> Bench {
+    let arguments = [&["bench"], arguments, &SMALL, &["--format", "json"]].concat();
+    let output = landfall(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("a bench")
+}
+
+/// The largest error of what gave some number.
+fn steps(row: &BenchRow) -> f64 {
+    row.errors.max_steps.unwrap_or_else(|| panic!("no number: {row:?}"))
+}
+
+#[test]
+fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
+    let folder = folder("scene");
+    let plot = folder.join("six.svg").display().to_string();
+    let found = bench(&[
+        SCENE,
+        "--variant",
+        "seed=rust:seed",
+        "--variant",
+        "robust=rust:robust",
+        "--variant",
+        "coarse=rust:robust=0.01",
+        "--variant",
+        "tiles=plan:tiles,always",
+        "--variant",
+        "shader=shaders/seed/six_lights_450.frag",
+        "--reader",
+        "cpu,gpu",
+        "--plot",
+        &plot,
+    ]);
+    assert!(found.failed.is_empty(), "{:?}", found.failed);
+    let row = |variant: &str, reader: &str| {
+        let found = found.rows.iter().find(|r| r.variant == variant && r.runner.reader == reader);
+        found.unwrap_or_else(|| panic!("{variant} on {reader}"))
+    };
+    for name in ["seed", "robust", "tiles"] {
+        // f32 at its best is some thousandths of a step off, and no fragment is no number.
+        let errors = row(name, "rust").errors;
+        let most = steps(row(name, "rust"));
+        assert!(most > 0.0 && most < 0.01, "{name}: {errors:?}");
+        assert_eq!((errors.non_finite, errors.undefined), (0, 0));
+        assert_eq!(errors.channels, 3 * found.fragments);
+    }
+    // A power of less than 0.01 that is left out is 2.55 steps at most, and more than nothing.
+    let coarse = row("coarse", "rust");
+    assert!(steps(coarse) > steps(row("robust", "rust")));
+    assert!(steps(coarse) < 2.6);
+    assert!(coarse.work.powers < row("robust", "rust").work.powers);
+    assert_eq!(row("seed", "rust").work.evaluations, Some(6.0));
+    for reader in ["cpu", "gpu"] {
+        let shader = row("shader", reader);
+        assert!(steps(shader) < 0.01, "{:?}", shader.errors);
+        assert!(shader.work.operations.is_some_and(|n| n > 100.0), "{:?}", shader.work);
+        // What any device may do is more than what one does.
+        let permitted = shader.permitted.and_then(|permitted| permitted.max_steps);
+        assert!(permitted.is_some_and(|most| most > steps(shader)), "{shader:?}");
+        assert_eq!(shader.work.evaluations, Some(6.0));
+        assert!(shader.work.bytes.is_some_and(|n| n > 100));
+        assert!(shader.subtracted);
+    }
+    assert_eq!((found.lights, found.rows[0].fragment.rounds), (6, 3));
+    let drawn = std::fs::read_to_string(&plot).unwrap();
+    let drawn = roxmltree::Document::parse(&drawn).unwrap();
+    assert!(drawn.descendants().any(|node| node.text() == Some("coarse")));
+}
+
+#[test]
+fn lights_of_a_shader_that_counts_them_cost_a_slope() {
+    let variant = "all=shaders/light_arrays/all_lights_450.frag";
+    let scene = "shaders/scenes/two_of_128.json";
+    let found = bench(&[scene, "--reader", "cpu", "--variant", variant]);
+    let shader = found.rows.iter().find(|row| row.runner.reader == "cpu");
+    let shader = shader.unwrap_or_else(|| panic!("{:?}", found.failed));
+    assert!(shader.light.is_some_and(|spread| spread.median > 0.0), "{shader:?}");
+    // Far below 128 slots: only lights in use are evaluated.
+    assert!(shader.work.evaluations.is_some_and(|n| n < 10.0), "{:?}", shader.work);
+}
+
+#[test]
+fn a_light_that_is_skipped_is_not_evaluated() {
+    let shader = "shader=shaders/six_lights/phong_450.frag";
+    let found =
+        bench(&[SCENE, "--reader", "cpu", "--variant", shader, "--variant", "rust=rust:robust"]);
+    let work =
+        |reader: &str| found.rows.iter().find(|row| row.runner.reader == reader).unwrap().work;
+    // Both skip lights that a fragment faces away from; Rust counts what it computes, of the
+    // shader it is seen by marking lights.
+    let (shader, rust) = (work("cpu"), work("rust"));
+    assert_eq!(shader.slots, Some(6.0));
+    assert!(rust.evaluations.is_some_and(|n| n < 6.0), "{rust:?}");
+    let apart = shader.evaluations.zip(rust.evaluations).map(|(a, b)| (a - b).abs());
+    assert!(apart.is_some_and(|apart| apart < 0.01), "{shader:?} {rust:?}");
+}
+
+#[test]
+fn a_shader_that_is_culled_by_a_plan_looks_at_fewer_slots() {
+    let shader = "shaders/many_lights/windowed_listed.wgsl";
+    let scene = "shaders/scenes/lights_1024_windowed.json";
+    let plain = format!("plain={shader}");
+    let culled = format!("culled={shader}+plan:tiles");
+    let rust = "rust=plan:tiles";
+    let some = ["--size", "24x18", "--rounds", "3", "--format", "json", "--reader", "cpu"];
+    let variants = ["--variant", &plain, "--variant", &culled, "--variant", rust];
+    let output = landfall(&[&["bench", scene], &some[..], &variants].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let found: Bench = serde_json::from_slice(&output.stdout).expect("a bench");
+    let row = |variant: &str| found.rows.iter().find(|row| row.variant == variant).unwrap();
+    let [plain, culled, rust] = ["plain", "culled", "rust"].map(row);
+    assert_eq!(plain.work.slots, Some(1024.0));
+    assert!(culled.work.slots.is_some_and(|slots| slots < 512.0), "{:?}", culled.work);
+    // What is culled gives nothing: it is not evaluated anyway, and the colours are the same.
+    assert_eq!(plain.errors, culled.errors);
+    for work in [plain.work, culled.work] {
+        let (lights, error) = work.evaluations.zip(work.evaluations_error).unwrap();
+        let counted = rust.work.evaluations.unwrap();
+        assert!(error > 0.0 && error < 0.2 * counted, "{work:?}");
+        assert!((lights - counted).abs() < 4.0 * error, "{lights} and {counted}, {error}");
+    }
+}
+
+#[test]
+fn a_shader_in_half_precision_is_the_evaluators_alone() {
+    let variant = "half=shaders/six_lights/phong_450.frag:half";
+    let found = bench(&[SCENE, "--reader", "cpu,gl", "--variant", variant]);
+    assert_eq!(found.rows.len(), 1, "{:?}", found.rows);
+    // f16 has 11 digits: sums of light near 1 are off by more than a tenth of a step.
+    assert!(steps(&found.rows[0]) > 0.1, "{:?}", found.rows[0].errors);
+    assert_eq!(found.rows[0].permitted, None);
+    assert_eq!(found.failed[0].reader, "gl");
+    assert!(found.failed[0].reason.contains("only the evaluator"), "{:?}", found.failed);
+}
+
+#[test]
+fn a_variant_of_another_model_is_held_against_its_own() {
+    let facing = r#"robust={"family": "multi", "specular_gate": "facing"}"#;
+    let robust = "robust=shaders/six_lights/phong_450.frag";
+    let one = |more: &[&str]| {
+        let found = bench(&[&[SCENE, "--reader", "cpu", "--variant", robust], more].concat());
+        steps(&found.rows[0])
+    };
+    // It gates highlights by the side the light is on, which the published model does not.
+    let (published, own) = (one(&["--model", "multi"]), one(&["--model-of", facing]));
+    assert!(own < 2e-3 && own < published, "{own} {published}");
+}
+
+#[test]
+fn few_fragments_of_a_large_scene_are_taken_and_said() {
+    let found = bench(&[SCENE, "--most", "600", "--variant", "seed=rust:seed"]);
+    // 600 evaluations by six lights, and no more than every second fragment more.
+    assert!((50..=100).contains(&found.fragments), "{}", found.fragments);
+    assert!(found.subject.contains(&format!("{} of ", found.fragments)), "{}", found.subject);
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused_by_name() {
+    let refused = |arguments: &[&str], wanted: &str| {
+        let output = landfall(&[&["bench"], arguments, &SMALL[2..]].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
+        assert!(said.contains(wanted), "{arguments:?}\n{said}");
+    };
+    refused(&["no_such_scene.json"], "no_such_scene.json");
+    refused(&[SCENE, "--variant", "a=rust:sturdy"], "forms are `seed`, `robust`");
+    refused(&[SCENE, "--variant", "a=plan:sometimes"], "sometimes");
+    refused(&[SCENE, "--variant", "a=no_such.frag"], "no_such.frag");
+    refused(&[SCENE, "--variant", "a=rust:seed", "--model-of", "b=multi"], "`--model-of`");
+    let output = landfall(&["bench", SCENE, "--rounds", "1"]);
+    assert_eq!(output.status.code(), Some(2));
+    // The name of one would stand for two.
+    let twice = ["--variant", "a=rust:seed", "--variant", "a=rust:robust"];
+    refused(&[&[SCENE][..], &twice].concat(), "`--variant a=rust:robust` has the name of `--var");
+    let models = ["--model-of", "a=multi", "--model-of", "a=array"];
+    refused(&[&[SCENE], &twice[..2], &models].concat(), "`--model-of a=array` has the name of");
+    refused(&["shaders/six_lights/phong_450.frag"], "a shader is called with `--fn NAME`");
+}
+
+#[test]
+fn a_refusal_says_whether_it_is_the_file_or_the_arguments() {
+    let folder = folder("codes");
+    let directory = folder.display().to_string();
+    let code = |arguments: &[&str]| {
+        let output = landfall(&[&["bench"], arguments].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
+        let code = said.strip_prefix("error[").and_then(|rest| rest.split_once(']'));
+        code.unwrap_or_else(|| panic!("{said}")).0.to_string()
+    };
+    assert_eq!(code(&["no_such_scene.json"]), "unreadable-file");
+    assert_eq!(code(&[&directory]), "unreadable-file");
+    assert_eq!(code(&[SCENE, "--variant", "a=no_such.frag"]), "unreadable-file");
+    assert_eq!(code(&[SCENE, "--variant", &format!("a={directory}")]), "unreadable-file");
+    assert_eq!(code(&[SCENE, "--variant", "a=rust:sturdy"]), "bad-request");
+    assert_eq!(code(&[SCENE, "--model", "matt"]), "bad-request");
+    // As the other commands that run functions say it.
+    for command in ["stress", "run"] {
+        let more: &[&str] = if command == "run" { &["--args", "[]"] } else { &[] };
+        let output = landfall(&[&[command, "gone.frag", "--fn", "f"], more].concat());
+        assert!(text(&output.stderr).starts_with("error[unreadable-file]"), "{output:?}");
+        assert_eq!(output.status.code(), Some(2));
+    }
+}
+
+/// clap waives what an option requires where that conflicts with another that is there.
+#[test]
+fn options_of_functions_are_refused_for_scenes_and_the_other_way_round() {
+    let of_scenes: [[&str; 2]; 5] = [
+        ["--size", "40x30"],
+        ["--model", "multi"],
+        ["--model-of", "a=multi"],
+        ["--bind", "{}"],
+        ["--most", "600"],
+    ];
+    let of_functions: [[&str; 2]; 6] = [
+        ["--truth", "a"],
+        ["--seed", "2"],
+        ["--samples", "9"],
+        ["--domain", "{}"],
+        ["--data", "{}"],
+        ["--texture", "t=[1,1,1,1]"],
+    ];
+    let refused = |arguments: &[&str]| {
+        let output = landfall(&[&["bench", SCENE, "--rounds", "3"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        // By the command line, before anything is read.
+        assert!(text(&output.stderr).contains("Usage: "), "{}", text(&output.stderr));
+    };
+    for function in &of_functions {
+        refused(function);
+        for scene in &of_scenes {
+            refused(&[&scene[..], function].concat());
+        }
+    }
+    for scene in &of_scenes {
+        refused(&[&scene[..], &["--fn", "f"]].concat());
+    }
+}
+
+#[test]
+fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
+    let folder = folder("missing");
+    let plot = folder.join("keep.svg");
+    std::fs::write(&plot, "kept").unwrap();
+    let shown = plot.display().to_string();
+    let shader = ["--variant", "s=shaders/six_lights/phong_450.frag", "--adapter", "no such one"];
+    let some = [&["bench", SCENE], &SMALL[..], &shader, &["--plot", &shown]].concat();
+    let output = landfall(&[&some[..], &["--reader", "gpu"]].concat());
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("every shader on gpu: "), "{said}");
+    assert!(!said.contains("rounds in turns"), "{said}");
+    assert_eq!(std::fs::read_to_string(&plot).unwrap(), "kept");
+    // What there is is printed, and drawn.
+    let output = landfall(&[&some[..], &["--reader", "cpu,gpu"]].concat());
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("every shader on gpu: ") && said.contains("\n*  s "), "{said}");
+    assert!(std::fs::read_to_string(&plot).unwrap().contains("<svg"));
+}
+
+#[test]
+fn a_reader_that_is_named_twice_measures_once() {
+    let variant = "s=shaders/six_lights/phong_450.frag";
+    let found = bench(&[SCENE, "--reader", "cpu,cpu", "--variant", variant]);
+    assert_eq!(found.rows.len(), 1, "{:?}", found.rows);
+}
+
+#[test]
+fn what_is_wrong_with_a_scene_is_said_once() {
+    let folder = folder("warned");
+    let scene = std::fs::read_to_string(SCENE).unwrap();
+    let scene = scene.replace("\"fov\": 45", "\"fov\": 0.8");
+    // Textures and shaders are named from where the scene is.
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let scene = scene.replace("\"../", &format!("\"{}/", base.display()));
+    let path = folder.join("narrow.json").display().to_string();
+    std::fs::write(&path, scene).unwrap();
+    let variants = ["a", "b", "c"].map(|name| format!("{name}=shaders/six_lights/phong_450.frag"));
+    let mut arguments = vec!["bench", &path, "--reader", "cpu", "--model-of", "b=multi"];
+    variants.iter().for_each(|variant| arguments.extend(["--variant", variant]));
+    let output = landfall(&[&arguments[..], &SMALL].concat());
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert_eq!(said.matches("suspicious-unit").count(), 1, "{said}");
+}
+
+#[test]
+fn a_shader_that_gives_no_number_has_no_error_and_is_not_the_best() {
+    // Of 128 lights two are there; the published form takes the others too, which are zeros.
+    let scene = "shaders/scenes/two_of_128.json";
+    let more = ["--reader", "cpu", "-D", "POINT_LIGHT_COUNT=128", "--variant"];
+    let variant = "s=shaders/seed/light_arrays_450.frag";
+    let output = landfall(&[&["bench", scene], &SMALL[..], &more, &[variant]].concat());
+    let said = text(&output.stdout);
+    let line = said.lines().find(|line| line.contains("  s  ")).unwrap_or_else(|| panic!("{said}"));
+    assert!(!line.starts_with('*') && line.contains("  -  "), "{said}");
+    let found = bench(&[&[scene], &more[..], &[variant]].concat());
+    let errors = found.rows[0].errors;
+    assert_eq!((errors.channels, errors.max_steps, errors.p999_steps), (0, None, None));
+    assert_eq!(errors.non_finite + errors.undefined, found.fragments);
+}
+
+#[test]
+fn csv_has_a_line_a_variant() {
+    let output = landfall(
+        &[&["bench", SCENE, "--variant", "a=rust:seed", "--format", "csv"], &SMALL[..]].concat(),
+    );
+    let text = text(&output.stdout);
+    assert_eq!(text.lines().count(), 2, "{text}");
+    assert!(text.starts_with("variant,reader,device,clock,ns_per_light"), "{text}");
+    assert!(text.lines().nth(1).is_some_and(|line| line.starts_with("a,rust,")), "{text}");
+}

@@ -1,0 +1,118 @@
+//! Findings from beside the shaders: mirrors in Rust files, and what `verify` saw.
+
+use crate::cli_check::place::{CLEAN, Place};
+
+const MIRROR: &str = "// landfall: mirror(Light)
+#[repr(C)]
+struct Light {
+    position: [f32; 3],
+    color: [f32; 4],
+}
+";
+
+/// By hand: three floats where the shader has four, so that `color` is at 12 and is read at 16.
+const SAID: [&str; 2] = ["rust-mirror src/light.rs:4", "rust-mirror src/light.rs:5"];
+
+fn tree(name: &str) -> Place {
+    let place = Place::new(name);
+    place.write("shaders/a.frag", CLEAN).write("src/light.rs", MIRROR);
+    place.write("src/other.rs", "fn nothing() {}\n");
+    place
+}
+
+fn found(place: &Place, more: &[&str]) -> Vec<String> {
+    let levels = ["-D", "rust-mirror", "-W", "rust-mirror-unknown"];
+    place.found(&[&levels[..], more].concat())
+}
+
+#[test]
+fn mirrors_named_by_comments_are_found_below_the_configuration() {
+    let place = tree("rust");
+    assert_eq!(found(&place, &[]), SAID);
+    place.write("landfall.toml", "paths = [\"shaders\"]\n");
+    assert_eq!(found(&place, &[]), SAID, "wherever shaders are searched");
+    assert_eq!(found(&place, &["shaders"]), [""; 0], "a part of the tree is no place for it");
+    assert_eq!(found(&place, &["."]), SAID);
+    place.write("landfall.toml", "exclude = [\"src\"]\n");
+    assert_eq!(found(&place, &[]), [""; 0]);
+    place.write("landfall.toml", "").write(".ignore", "/src\n");
+    assert_eq!(found(&place, &[]), [""; 0]);
+}
+
+#[test]
+fn mirrors_named_by_the_configuration_need_no_comment() {
+    let place = tree("rust-config");
+    place.write("src/light.rs", MIRROR.replace("// landfall: mirror(Light)", ""));
+    assert_eq!(found(&place, &[]), [""; 0]);
+    let said =
+        "[[rust-mirror]]\nfile = \"src/light.rs\"\nstructure = \"Light\"\nblock = \"Light\"\n";
+    place.write("landfall.toml", said);
+    assert_eq!(found(&place, &["shaders"]), SAID);
+    place.write("landfall.toml", said.replace("light.rs", "gone.rs"));
+    let ran = place.run(&["check"]);
+    assert!(ran.code == 2 && ran.err.contains("`src/gone.rs` cannot be read"), "{}", ran.err);
+    assert!(ran.err.contains("landfall.toml:1"), "{}", ran.err);
+}
+
+#[test]
+fn a_rust_file_that_is_no_rust_ends_the_check_with_its_place() {
+    let place = tree("rust-broken");
+    place.write("src/light.rs", MIRROR.replace("[f32; 3],", "[f32; 3,"));
+    let ran = place.run(&["check", "-D", "rust-mirror"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("error[bad-rust]: `src/light.rs`"), "{}", ran.err);
+    assert!(ran.err.contains("it is no Rust at line "), "{}", ran.err);
+    assert_eq!(place.run(&["check", "-A", "all"]).code, 0, "nobody asks about it");
+}
+
+#[test]
+fn a_changed_rust_file_is_seen_by_caches_and_by_merge() {
+    let place = tree("rust-cache");
+    let cached = ["--cache-dir", "cache"];
+    assert_eq!(found(&place, &cached), SAID);
+    assert_eq!(found(&place, &cached), SAID);
+    place.write("src/light.rs", MIRROR.replace("[f32; 3]", "[f32; 4]"));
+    assert_eq!(found(&place, &cached), [""; 0]);
+    place.write("src/light.rs", MIRROR);
+    let whole = place.run(&["check", "-f", "json"]);
+    for i in ["1", "2"] {
+        let report = format!("json=r{i}.json");
+        place.run(&["check", "--shard", &format!("{i}/2"), "-f", &report]);
+    }
+    let merged = place.run(&["merge", "r1.json", "r2.json", "-f", "json"]);
+    assert_eq!((&merged.out, merged.code), (&whole.out, 1));
+    place.write("src/light.rs", MIRROR.replace("[f32; 3]", "[f32; 4]"));
+    let stale = place.run(&["merge", "r1.json", "r2.json"]);
+    assert!(
+        stale.code == 2 && stale.err.contains("`src/light.rs` is not the file"),
+        "{}",
+        stale.err
+    );
+}
+
+#[test]
+fn what_verify_saw_is_reported_at_the_member_and_obeys_levels_and_comments() {
+    let place = Place::new("verified");
+    place.write("a.frag", CLEAN);
+    let report = r#"{"schema_version":1,"tool":{"name":"landfall","version":"0.1.0"},"readers":[],
+        "shaders":[{"path":"./a.frag","language":"glsl","blocks":[{"name":"Light",
+        "instance":"light","rules":"std140","size":32,"leaves":2,"readers":[{"reader":"gpu",
+        "stage":"fragment","form":"naga","outcome":"disagrees","reads":[{"path":"color.y",
+        "leaf":"color","way":"constant","expected_byte":20,"byte_read":24}],"causes":[]}],
+        "unprobed":[]}]}]}"#;
+    place.write("seen.json", report);
+    let ran = place.run(&["check", "--verified", "seen.json", "-f", "short"]);
+    assert_eq!(ran.code, 1);
+    let said = "a.frag:4:10: error[driver-disagrees] `gpu` reads `color.y` of block `Light` from byte \
+                24 instead of 20";
+    assert!(ran.out.contains(said), "{}", ran.out);
+    let quiet = ["check", "--verified", "seen.json", "-A", "driver-disagrees"];
+    assert_eq!(place.run(&quiet).code, 0);
+    let allowed = "    // landfall: allow(driver-disagrees)\n    vec4 color;";
+    place.write("a.frag", CLEAN.replace("    vec4 color;", allowed));
+    assert_eq!(place.run(&["check", "--verified", "seen.json"]).code, 0);
+    assert_eq!(place.run(&["check"]).code, 0, "without a report the comment is not idle");
+    place.write("seen.json", &report[..100]);
+    let ran = place.run(&["check", "--verified", "seen.json"]);
+    assert!(ran.code == 2 && ran.err.contains("`seen.json` is no report of"), "{}", ran.err);
+}

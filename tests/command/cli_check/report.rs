@@ -1,0 +1,146 @@
+//! Reports: to files and stdout, exit codes, the line in sum.
+
+use std::io::{Read, Write};
+use std::process::Stdio;
+
+use crate::cli_check::place::{CLEAN, Place, Ran, idle};
+
+#[test]
+fn exit_codes_tell_clean_from_findings_from_could_not() {
+    let place = Place::new("exit");
+    let clean = place.write("a.frag", CLEAN).run(&["check", "-A", "all"]);
+    assert_eq!(clean.code, 0);
+    assert!(clean.err.starts_with("checked 1 shader: nothing to report\n"), "{}", clean.err);
+    place.write("b.frag", idle());
+    let warned = place.run(&["check", "-A", "all", "-W", "unused-allow", "-W", "stale-comment"]);
+    assert_eq!(warned.code, 0);
+    let sum = "checked 2 shaders: 1 warning; 1 can be mended with --fix\n";
+    assert!(warned.err.contains(sum), "{}", warned.err);
+    let denied = place.run(&["check", "-A", "all", "-D", "unused-allow", "-W", "stale-comment"]);
+    assert_eq!(denied.code, 1);
+    place.write("c.frag", "#version 450\nuniform B {").write("d.frag", b"\xff\xfe");
+    let (code, found, err) = place.check(&["-W", "stale-comment", "-D", "unused-allow"]);
+    assert_eq!(code, 2, "{err}");
+    assert!(found.iter().any(|f| f["code"] == "unused-allow"), "the others are checked");
+    assert!(found.iter().any(|f| f["place"]["path"] == "d.frag"), "{found:?}");
+    assert!(err.contains("checked 4 shaders: 2 errors, 1 denied"), "{err}");
+    assert_eq!(place.run(&["check", "gone.frag"]).code, 2);
+    let empty = place.write("empty/x.txt", "").run(&["check", "empty"]);
+    assert!(empty.code == 2 && empty.out.contains("holds no shader file"), "{}", empty.out);
+}
+
+#[test]
+fn reports_go_each_to_its_own_file_and_one_to_stdout() {
+    let place = Place::new("formats");
+    place.write("a.frag", idle());
+    let mut arguments = vec!["check", "-W", "stale-comment", "-f", "short"];
+    let formats = ["human=o/h.txt", "json=o/r.json", "github=g", "sarif=s.sarif", "junit=j.xml"];
+    formats.iter().for_each(|format| arguments.extend(["-f", format]));
+    let ran = place.run(&arguments);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert!(ran.out.starts_with("a.frag:4:36: ") && ran.out.lines().count() == 1, "{}", ran.out);
+    for file in ["o/h.txt", "o/r.json", "g", "s.sarif", "j.xml"] {
+        assert!(place.read(file).contains("unused-allow"), "{file}");
+    }
+    assert!(!place.read("o/r.json").contains("\"shard\""));
+    let only = place.run(&["check", "-f", "json=o/r.json"]);
+    assert_eq!(only.out, "");
+    let twice = place.run(&["check", "-f", "json", "-f", "sarif"]);
+    assert!(twice.code == 2 && twice.err.contains("cannot take two reports"), "{}", twice.err);
+    let twice = place.run(&["check", "-f", "json=x", "-f", "sarif=x"]);
+    assert!(twice.code == 2 && twice.err.contains("`x` cannot take two"), "{}", twice.err);
+    assert!(!place.has("x"));
+    for wrong in ["xml", "json=", "=x"] {
+        assert_eq!(place.run(&["check", "-f", wrong]).code, 2, "{wrong}");
+    }
+    let blocked = place.run(&["check", "-f", "json=a.frag/x.json"]);
+    assert!(blocked.code == 2 && blocked.err.contains("a.frag"), "{}", blocked.err);
+}
+
+#[test]
+fn a_step_summary_is_added_to_for_github_only() {
+    let place = Place::new("summary");
+    place.write("a.frag", idle()).write("summary.md", "before\n");
+    let run = |format: &str| {
+        let mut command = place.command(&["check", "-W", "stale-comment", "-f", format]);
+        let ran = Ran::of(command.env("GITHUB_STEP_SUMMARY", "summary.md").output().unwrap());
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        place.read("summary.md")
+    };
+    assert_eq!(run("short"), "before\n");
+    let text = run("github");
+    assert!(text.starts_with("before\n") && text.len() > "before\n".len(), "{text}");
+}
+
+#[test]
+fn quiet_leaves_warnings_and_the_line_in_sum_out() {
+    let place = Place::new("quiet");
+    place.write("a.frag", idle());
+    let warned = place.run(&["check", "-q", "-W", "stale-comment", "-f", "short"]);
+    assert_eq!((warned.code, warned.out.as_str(), warned.err.as_str()), (0, "", ""));
+    let denied =
+        place.run(&["check", "-q", "-W", "stale-comment", "-D", "unused-allow", "-f", "short"]);
+    assert!(denied.code == 1 && denied.out.contains("unused-allow"), "{}", denied.out);
+}
+
+#[test]
+fn statistics_count_the_findings_of_each_lint() {
+    let place = Place::new("statistics");
+    place.write("a.frag", idle()).write("b.frag", idle());
+    let ran = place.run(&[
+        "check",
+        "-A",
+        "all",
+        "-W",
+        "unused-allow",
+        "-W",
+        "stale-comment",
+        "--statistics",
+    ]);
+    assert!(ran.err.contains("     2  unused-allow\n"), "{}", ran.err);
+}
+
+#[test]
+fn stdin_is_checked_under_the_name_it_is_given() {
+    let place = Place::new("stdin");
+    let arguments =
+        ["check", "-", "--stdin-filename", "x/y.frag", "-W", "stale-comment", "-f", "short"];
+    let mut command = place.command(&arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(idle().as_bytes()).unwrap();
+    let ran = Ran::of(child.wait_with_output().unwrap());
+    assert!(ran.out.starts_with("x/y.frag:4:36: "), "{}\n{}", ran.out, ran.err);
+}
+
+#[test]
+fn whoever_stops_reading_is_no_failure_and_files_are_written_all_the_same() {
+    let place = Place::new("pipe");
+    for i in 0..300 {
+        place.write(&format!("s/{i}.frag"), idle());
+    }
+    let arguments = ["check", "-W", "stale-comment", "-f", "human", "-f", "json=r.json"];
+    let mut command = place.command(&arguments);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stdout = child.stdout.take().unwrap();
+    let mut first = [0; 1];
+    stdout.read_exact(&mut first).unwrap();
+    drop(stdout);
+    let ran = Ran::of(child.wait_with_output().unwrap());
+    assert_eq!((ran.code, ran.err.contains("panic")), (0, false), "{}", ran.err);
+    assert!(place.read("r.json").ends_with("}\n"));
+}
+
+#[test]
+fn hostile_shaders_get_one_answer_each() {
+    let place = Place::new("hostile");
+    place.write("a.frag", "{".repeat(1 << 20)).write("b.wgsl", "/*".repeat(1 << 18));
+    place.write("c.frag", format!("// landfall: allow({}", "(,".repeat(1 << 16)));
+    place.write("d.frag", format!("#version 450\n// landfall: allow({})\n", ",".repeat(2000)));
+    let (code, found, err) = place.check(&[]);
+    assert_eq!(code, 2, "{err}");
+    let paths: Vec<&str> = found.iter().map(|f| f["place"]["path"].as_str().unwrap()).collect();
+    for path in ["a.frag", "b.wgsl", "c.frag", "d.frag"] {
+        assert!(paths.contains(&path), "{path} in {paths:?}");
+    }
+}

@@ -1,0 +1,21 @@
+//! Tests of the command line, as a process.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod ci_examples;
+mod cli;
+mod cli_bench;
+mod cli_bench_fn;
+mod cli_check;
+mod cli_codec;
+mod cli_diff;
+mod cli_emit;
+mod cli_lock;
+mod cli_render;
+mod cli_run;
+mod cli_stress;
+mod cli_verify;
+mod readme;
+mod schema;
+mod unified;

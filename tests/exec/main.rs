@@ -1,0 +1,17 @@
+//! Tests of the interpreter and the backends.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod accuracy;
+mod builtins;
+mod digits;
+mod driven;
+mod fragments;
+mod mirror_proof;
+mod permitted;
+mod run_gl;
+mod run_gpu;
+mod run_module;
+mod run_remote;
+mod verify;

@@ -1,0 +1,340 @@
+//! Proof of blocks: every reader sees every leaf where it is laid out, and faults that are
+//! planted are caught and located by every reader that can see them.
+
+use crate::support;
+use crate::support::readers;
+
+use landfall_exec::harness::verify::{
+    Outcome, ReaderReport, ShaderReport, Subject, VerifyOptions, verify,
+};
+use landfall_layout::{BlockLayout, Rules, Source, Stage};
+use readers::with_readers;
+use support::blocks::{Block, Rules as BlockRules, Space, print};
+use support::generate::{Diet, random};
+use support::known::{Subject as Asked, within_the_driver};
+
+/// What the readers here all take: no 8, 16 and 64-bit integers.
+const DIET: Diet = Diet {
+    kinds: &[
+        (Space::Uniform, BlockRules::Std140),
+        (Space::Buffer, BlockRules::Std140),
+        (Space::Buffer, BlockRules::Std430),
+    ],
+    scalars: &[
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Int,
+        support::blocks::Scalar::Uint,
+        support::blocks::Scalar::Bool,
+        support::blocks::Scalar::Double,
+    ],
+    // Drivers take seconds to compile shaders that are mostly double matrices.
+    matrices: &[
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Double,
+    ],
+    push_constant: false,
+};
+
+fn verified(source: &Source, options: &VerifyOptions) -> ShaderReport {
+    let subject = Subject::new(source, options)
+        .unwrap_or_else(|(_, found)| panic!("{}: {found:?}\n{}", source.path, source.text));
+    with_readers(|readers| verify(&subject, options, readers))
+}
+
+/// Every report of a block by a reader, with what it is about.
+fn each(report: &ShaderReport) -> impl Iterator<Item = (&str, &ReaderReport)> {
+    let blocks = report.blocks.iter();
+    blocks.flat_map(|block| block.readers.iter().map(|reader| (&*block.name, reader)))
+}
+
+/// Two halves, for two threads and two sets of readers: 300 blocks together.
+#[test]
+fn random_blocks_are_read_where_they_are_laid_out() {
+    random_blocks_are_confirmed(0..56);
+}
+
+#[test]
+fn more_random_blocks_are_read_where_they_are_laid_out() {
+    random_blocks_are_confirmed(56..112);
+}
+
+fn random_blocks_are_confirmed(seeds: std::ops::Range<u64>) {
+    let (mut blocks, mut reads) = (0, 0);
+    for seed in seeds {
+        let (standing, made) = random(seed, 3, &DIET);
+        let stage = [Stage::Vertex, Stage::Fragment, Stage::Compute][seed as usize % 3];
+        let extension = ["vert", "frag", "comp"][seed as usize % 3];
+        let made: Vec<&Block> = made
+            .iter()
+            .filter(|block| within_the_driver(Asked { block, standing: &standing }))
+            .collect();
+        let text = declarations(&print(&standing, &made));
+        let source = Source::new(format!("seed_{seed}.{extension}"), text.as_str());
+        let report = verified(&source, &VerifyOptions::default());
+        for (block, reader) in each(&report) {
+            assert_eq!(
+                (reader.outcome, reader.stage),
+                (Outcome::Confirmed, stage.name()),
+                "seed {seed}, {block}, {}: {:?}\n{}\n{:#?}\n{text}",
+                reader.reader,
+                reader.reason,
+                reader.log,
+                reader
+                    .reads
+                    .iter()
+                    .filter(|r| r.byte_read != Some(r.expected_byte))
+                    .take(5)
+                    .collect::<Vec<_>>(),
+            );
+            reads += reader.reads.len();
+        }
+        blocks += report.blocks.len();
+    }
+    println!("{blocks} blocks, {reads} reads");
+    assert!(blocks >= 150, "{blocks} blocks");
+    assert!(reads > 20_000, "{reads} reads");
+}
+
+/// A compute shader's text without what only a compute shader may have.
+fn declarations(text: &str) -> String {
+    let declared = text.split("shared float sink;").next().expect("there is a first part");
+    format!("{}void main() {{}}\n", declared.replace("layout(local_size_x = 1) in;\n", ""))
+}
+
+/// A shader whose block has a bit of everything a fault could hit.
+const LIGHTS: &str = "#version 450
+struct Attenuation { float constant; float linear; };
+struct Light { vec3 position; Attenuation att; float power; };
+layout(std140, binding = 0) uniform LightBlock {
+    float time;
+    Light lights[4];
+    float weights[3][2];
+    layout(row_major) mat3x4 frame;
+    bool on;
+    vec2 tail;
+} u;
+void main() {}
+";
+
+/// The layout of [`LIGHTS`] with a fault in it.
+fn with_fault(fault: impl Fn(&mut BlockLayout)) -> ShaderReport {
+    let source = Source::new("lights.frag", LIGHTS);
+    let layout = landfall_layout::layout(&source, &landfall_layout::Options::default());
+    let mut given = layout.blocks.clone();
+    fault(&mut given[0]);
+    verified(&source, &VerifyOptions { given: Some(given), ..VerifyOptions::default() })
+}
+
+/// The leaves each reader sees elsewhere, which must be the same for all; with the causes.
+fn caught(report: &ShaderReport) -> Vec<(String, String)> {
+    let mut all: Vec<(&str, Vec<(String, String)>)> = Vec::new();
+    for (_, reader) in each(report) {
+        let elsewhere = reader.reads.iter().filter(|r| r.byte_read != Some(r.expected_byte));
+        let mut leaves: Vec<(String, String)> = elsewhere
+            .map(|read| {
+                let cause = reader.causes.iter().find(|cause| cause.leaf == read.leaf);
+                (read.leaf.clone(), cause.map_or(String::new(), |cause| cause.cause.clone()))
+            })
+            .collect();
+        leaves.sort();
+        leaves.dedup();
+        assert_eq!(reader.outcome == Outcome::Disagrees, !leaves.is_empty());
+        all.push((reader.reader, leaves));
+    }
+    assert_eq!(all.len(), 3, "every reader ran");
+    for (reader, leaves) in &all {
+        assert_eq!(leaves, &all[0].1, "{reader} against {}", all[0].0);
+    }
+    all.swap_remove(0).1
+}
+
+fn leaf<'a>(block: &'a mut BlockLayout, path: &str) -> &'a mut landfall_layout::Leaf {
+    block.leaves.iter_mut().find(|leaf| leaf.path == path).expect("there is such a leaf")
+}
+
+#[test]
+fn the_true_layout_is_confirmed() {
+    assert_eq!(caught(&with_fault(|_| {})), []);
+}
+
+#[test]
+fn an_offset_shifted_by_four_is_caught() {
+    let found = caught(&with_fault(|block| {
+        let leaf = leaf(block, "tail");
+        leaf.offset = leaf.offset.map(|offset| offset + 4);
+    }));
+    let [(path, cause)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(path, "tail");
+    // std140 by hand: lights 16 to 208, weights to 304, four rows of frame to 368, `on`, and
+    // a vec2 is aligned to 8: 376. The fault says 380.
+    assert!(cause.contains("it starts at 376 instead of 380"), "{cause}");
+}
+
+#[test]
+fn a_stride_of_twelve_for_sixteen_is_caught() {
+    let found = caught(&with_fault(|block| leaf(block, "weights[][]").strides[1] = 12));
+    let [(path, cause)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(path, "weights[][]");
+    assert!(
+        cause.contains("stride of the inner dimension is taken as 16 instead of 12"),
+        "{cause}"
+    );
+}
+
+#[test]
+fn swapped_dimensions_are_caught() {
+    // naga 30 takes float[3][2] as three within two: strides 48 and 16 for 32 and 16.
+    let found = caught(&with_fault(|block| leaf(block, "weights[][]").strides[0] = 48));
+    let [(path, cause)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(path, "weights[][]");
+    assert!(
+        cause.contains("stride of the outer dimension is taken as 32 instead of 48"),
+        "{cause}"
+    );
+}
+
+#[test]
+fn rows_taken_for_columns_are_caught() {
+    let found = caught(&with_fault(|block| leaf(block, "frame").row_major = false));
+    let [(path, cause)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(path, "frame");
+    assert!(cause.contains("rows and columns are taken for one another"), "{cause}");
+}
+
+#[test]
+fn a_structure_that_is_not_rounded_up_is_caught() {
+    // Attenuation has 8 bytes, 16 in std140: what follows it comes 8 bytes early.
+    let found = caught(&with_fault(|block| {
+        let power = leaf(block, "lights[].power");
+        power.offset = power.offset.map(|offset| offset - 8);
+    }));
+    let [(path, cause)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(path, "lights[].power");
+    assert!(cause.contains("instead of"), "{cause}");
+}
+
+#[test]
+fn a_stale_layout_of_other_rules_is_caught_and_named() {
+    let found = caught(&with_fault(|block| {
+        let text = LIGHTS.replace("std140", "std430").replace("uniform", "buffer");
+        let stale = landfall_layout::layout(
+            &Source::new("lights.frag", text.as_str()),
+            &landfall_layout::Options::default(),
+        );
+        assert_eq!(stale.blocks[0].rules, Rules::Std430);
+        block.leaves.clone_from(&stale.blocks[0].leaves);
+    }));
+    let paths: Vec<&str> = found.iter().map(|(path, _)| path.as_str()).collect();
+    assert!(paths.contains(&"weights[][]") && paths.contains(&"lights[].power"), "{paths:?}");
+}
+
+#[test]
+fn a_driver_that_reads_by_its_own_rules_is_told_apart() {
+    // Mesa packs `shared` blocks like std430; landfall says std140, and that it is a guess.
+    let text = "#version 450\nlayout(shared, binding = 0) uniform B { float a; float b[3]; };\n\
+                void main() {}\n";
+    let source = Source::new("shared.frag", text);
+    let report = verified(&source, &VerifyOptions::default());
+    let (_, gl) = each(&report).find(|(_, reader)| reader.reader == "gl").expect("gl ran");
+    assert_eq!(gl.outcome, Outcome::Disagrees);
+    let [cause] = &gl.causes[..] else { panic!("{:?}", gl.causes) };
+    assert_eq!(cause.leaf, "b[]");
+    assert!(cause.cause.starts_with("this is its place in std430"), "{}", cause.cause);
+}
+
+/// Seen in naga 30.0.1: what a program reads that hands such a text to wgpu.
+#[test]
+fn nagas_own_offsets_are_caught() {
+    let glsl = "#version 450
+        layout(local_size_x = 1) in;
+        struct Falloff { float linear; };
+        layout(std140, binding = 0) buffer Lamp { float power; Falloff fall; float tail; } lamp;
+        void main() {}
+    ";
+    let wgsl = "struct Inner { @align(16) a: u32 }
+        struct Outer { x: u32, inner: Inner, y: u32 }
+        @group(0) @binding(0) var<storage, read_write> outer: Outer;
+        @compute @workgroup_size(1) fn main() { outer.x = outer.inner.a; }
+    ";
+    for (name, text, leaf, expected) in
+        [("lamp.comp", glsl, "fall.linear", 16), ("outer.wgsl", wgsl, "inner.a", 16)]
+    {
+        let source = Source::new(name, text);
+        let report = verified(&source, &VerifyOptions { naga: true, ..VerifyOptions::default() });
+        for reader in ["cpu", "gpu"] {
+            let seen = each(&report).find(|(_, seen)| seen.reader == reader).expect("it ran").1;
+            assert_eq!(seen.outcome, Outcome::Disagrees, "{name} {reader}: {:?}", seen.reason);
+            // A structure starts at a multiple of 16 in std140, and `@align(16)` says as much.
+            let read = seen
+                .reads
+                .iter()
+                .find(|read| read.leaf == leaf && read.expected_byte == expected)
+                .expect("it was read");
+            assert_ne!(read.byte_read, Some(expected), "{name} {reader}");
+            let cause = seen.causes.iter().find(|cause| cause.leaf == leaf).expect("a cause");
+            assert!(cause.cause.contains("naga puts it"), "{}", cause.cause);
+        }
+        let report = verified(&source, &VerifyOptions::default());
+        assert!(each(&report).all(|(_, seen)| seen.outcome != Outcome::Disagrees));
+    }
+}
+
+/// Every leaf of every shader of the repository, by every reader that takes it.
+#[test]
+fn every_leaf_of_our_shaders_is_confirmed() {
+    let mut shaders = 0;
+    for path in support::files::shaders() {
+        let source = Source::read(&path).expect("a shader of ours is text");
+        let report = verified(&source, &VerifyOptions::default());
+        for (block, reader) in each(&report) {
+            let name = format!("{} {block} {}", source.path, reader.reader);
+            match reader.outcome {
+                Outcome::Confirmed => {}
+                Outcome::Skipped => {
+                    let reason = reader.reason.as_deref().unwrap_or_default();
+                    assert!(is_known(&source, reader.reader, reason), "{name}: {reason}");
+                }
+                Outcome::Disagrees => {
+                    // The driver's own rules, as the shader's own comment says.
+                    assert!(source.path.ends_with("driver_rules.frag"), "{name}");
+                }
+                Outcome::Failed => panic!("{name}: {:?}\n{}", reader.reason, reader.log),
+            }
+        }
+        shaders += 1;
+    }
+    assert!(shaders > 60, "{shaders}");
+}
+
+/// What a reader cannot be asked, said in advance.
+fn is_known(source: &Source, reader: &str, reason: &str) -> bool {
+    let named = |name: &str| source.path.ends_with(name);
+    match reader {
+        // OpenGL takes neither WGSL nor what is Vulkan's alone.
+        "gl" => {
+            named(".wgsl")
+                || reason.contains("OpenGL has no")
+                || reason.contains("compiler does not take the text")
+                    && [
+                        "buffer_reference.comp",
+                        "small_and_large_scalars.comp",
+                        "specialization_constant.frag",
+                        "scene_450.vert",
+                        "view_space_450.vert",
+                    ]
+                    .iter()
+                    .any(|name| named(name))
+                || named("buffer_reference.comp")
+                // Mesa 22.3.6 takes a member's `readonly` for the whole block.
+                || named("memory_qualifiers.comp") && reason.contains("compiler does not take")
+        }
+        // Addresses, and 8-bit numbers, which naga does not have.
+        _ => named("buffer_reference.comp") || named("small_and_large_scalars.comp"),
+    }
+}

@@ -1,0 +1,392 @@
+//! Bytes by name: what is set lands where OpenGL 4.6 §7.6.2.2 puts it, and nothing else moves.
+
+// One range of bytes is what is meant.
+#![allow(clippy::single_range_in_vec_init)]
+
+use landfall_layout::buffer::{BufferError, Upload};
+use landfall_layout::{BlockLayout, Buffer, Options, Source, layout};
+
+const LIGHTS: &str = "
+    struct PointLight {
+        vec3 pos; vec3 color; float intensity;
+        float constant; float linear; float quadratic;
+    };
+    layout(std140) uniform PointLightBlock {
+        PointLight data[128];
+        int actually_used_count;
+    } u_point_light_array;
+";
+
+fn block(text: &str) -> BlockLayout {
+    let source = Source::new("test.comp", format!("#version 460\n{text}\nvoid main() {{}}\n"));
+    let mut found = layout(&source, &Options::default());
+    assert!(!found.has_errors(), "{:?}", found.diagnostics);
+    found.blocks.remove(0)
+}
+
+fn f32_at(bytes: &[u8], offset: usize) -> f32 {
+    f32::from_le_bytes(bytes[offset..offset + 4].try_into().unwrap())
+}
+
+fn said<T: std::fmt::Debug>(result: Result<T, BufferError>) -> String {
+    result.unwrap_err().to_string()
+}
+
+/// Offsets of the floats that are not zero, with their values.
+fn floats(buffer: &Buffer) -> Vec<(usize, f32)> {
+    let all = (0..buffer.bytes().len()).step_by(4).map(|at| (at, f32_at(buffer.bytes(), at)));
+    all.filter(|(_, value)| *value != 0.0).collect()
+}
+
+#[test]
+fn color_of_the_fourth_light_is_at_160() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    assert_eq!(buffer.bytes().len(), 6160);
+    buffer.set("data[3].color", [1.0f32, 2.0, 3.0]).unwrap();
+    assert_eq!(floats(&buffer), [(160, 1.0), (164, 2.0), (168, 3.0)]);
+    buffer.set("data[127].quadratic", 4.0f32).unwrap();
+    assert_eq!(f32_at(buffer.bytes(), 127 * 48 + 40), 4.0);
+    buffer.set("actually_used_count", 128).unwrap();
+    assert_eq!(buffer.bytes()[6144..6148], [128, 0, 0, 0]);
+    assert_eq!(buffer.get::<[f32; 3]>("data[3].color").unwrap(), [1.0, 2.0, 3.0]);
+    assert_eq!(buffer.get::<i32>("actually_used_count").unwrap(), 128);
+}
+
+#[test]
+fn components_and_columns_can_follow_a_path() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    buffer.set("data[3].color.y", 2.0f32).unwrap();
+    buffer.set("data[3].color.b", 3.0f32).unwrap();
+    buffer.set("data[3].color[0]", 1.0f32).unwrap();
+    assert_eq!(buffer.get::<[f32; 3]>("data[3].color").unwrap(), [1.0, 2.0, 3.0]);
+    assert_eq!(buffer.get::<f32>("data[3].color.t").unwrap(), 2.0);
+    assert!(buffer.get::<f32>("data[3].color.w").is_err());
+    assert!(buffer.get::<f32>("data[3].color.xy").is_err());
+}
+
+#[test]
+fn the_instance_or_the_block_can_precede_a_path() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    buffer.set("u_point_light_array.data[3].color", [1.0f32, 2.0, 3.0]).unwrap();
+    assert_eq!(buffer.get::<f32>("PointLightBlock.data[3].color.z").unwrap(), 3.0);
+}
+
+#[test]
+fn a_member_named_like_its_block_is_the_member() {
+    let block = block("struct S { float x; }; layout(std140) uniform a { float x; S a; } b;");
+    let mut buffer = Buffer::new(&block).unwrap();
+    buffer.set("a.x", 1.0f32).unwrap();
+    assert_eq!(floats(&buffer), [(16, 1.0)]);
+    buffer.set("b.x", 2.0f32).unwrap();
+    assert_eq!(floats(&buffer), [(0, 2.0), (16, 1.0)]);
+}
+
+#[test]
+fn column_major_matrices_step_by_16_from_column_to_column() {
+    let mut buffer = Buffer::new(&block("layout(std140) uniform B { mat2x3 m; };")).unwrap();
+    buffer.set("m", [[1.0f32, 2.0, 3.0], [4.0, 5.0, 6.0]]).unwrap();
+    let wanted = [(0, 1.0), (4, 2.0), (8, 3.0), (16, 4.0), (20, 5.0), (24, 6.0)];
+    assert_eq!(floats(&buffer), wanted);
+    assert_eq!(buffer.get::<[f32; 3]>("m[1]").unwrap(), [4.0, 5.0, 6.0]);
+    assert_eq!(buffer.get::<f32>("m[1].y").unwrap(), 5.0);
+    assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [0..28]);
+}
+
+#[test]
+fn row_major_matrices_step_by_16_from_row_to_row() {
+    let text = "layout(std140, row_major) uniform B { float a; mat2x3 m; };";
+    let mut buffer = Buffer::new(&block(text)).unwrap();
+    let value = [[1.0f32, 2.0, 3.0], [4.0, 5.0, 6.0]];
+    buffer.set("m", value).unwrap();
+    let wanted = [(16, 1.0), (20, 4.0), (32, 2.0), (36, 5.0), (48, 3.0), (52, 6.0)];
+    assert_eq!(floats(&buffer), wanted);
+    assert_eq!(buffer.get::<[[f32; 3]; 2]>("m").unwrap(), value);
+    buffer.clear_dirty();
+    buffer.set("m[1]", [7.0f32, 8.0, 9.0]).unwrap();
+    assert_eq!([20, 36, 52].map(|at| f32_at(buffer.bytes(), at)), [7.0, 8.0, 9.0]);
+    assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [20..24, 36..40, 52..56]);
+    assert_eq!(buffer.upload(12), Upload { ranges: 1, bytes: 36, whole: 64 });
+}
+
+#[test]
+fn arrays_of_arrays_step_by_each_dimension() {
+    let text = "layout(std430) buffer B { float a; vec2 w[3][5]; };";
+    let mut buffer = Buffer::new(&block(text)).unwrap();
+    buffer.set("w[2][4]", [1.0f32, 2.0]).unwrap();
+    let at = 8 + 2 * 40 + 4 * 8;
+    assert_eq!(floats(&buffer), [(at, 1.0), (at + 4, 2.0)]);
+    let handle = buffer.handle::<[f32; 2]>("w[2][]").unwrap();
+    assert_eq!(buffer.get_at(&handle, [4]).unwrap(), [1.0, 2.0]);
+    let handle = buffer.handle::<f32>("w[][].y").unwrap();
+    assert_eq!(buffer.get_at(&handle, [2, 4]).unwrap(), 2.0);
+}
+
+#[test]
+fn every_component_type_has_its_rust_type() {
+    let text = "
+        #extension GL_EXT_shader_explicit_arithmetic_types : require
+        layout(std430) buffer B {
+            bool b; bvec2 b2; double d; int64_t i64; uint64_t u64; int16_t i16; uint16_t u16;
+            int8_t i8; uint8_t u8; float16_t f16; uvec3 u3; dmat2 dm;
+        };";
+    let mut buffer = Buffer::new(&block(text)).unwrap();
+    buffer.set("b", true).unwrap();
+    buffer.set("b2", [false, true]).unwrap();
+    buffer.set("d", -0.1f64).unwrap();
+    buffer.set("i64", i64::MIN).unwrap();
+    buffer.set("u64", u64::MAX).unwrap();
+    buffer.set("i16", -2i16).unwrap();
+    buffer.set("u16", 65535u16).unwrap();
+    buffer.set("i8", -3i8).unwrap();
+    buffer.set("u8", 255u8).unwrap();
+    buffer.set("f16", 1.0f32 / 3.0).unwrap();
+    buffer.set("u3", [1u32, 2, 3]).unwrap();
+    buffer.set("dm", [[1.0f64, 2.0], [3.0, 4.0]]).unwrap();
+    let bytes = buffer.bytes();
+    // std430: b 0, b2 8, d 16, i64 24, u64 32, i16 40, u16 42, i8 44, u8 45, f16 46, u3 48, dm 64.
+    assert_eq!(bytes[0..16], [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
+    assert_eq!(bytes[16..24], (-0.1f64).to_le_bytes());
+    assert_eq!(bytes[24..32], i64::MIN.to_le_bytes());
+    assert_eq!(bytes[32..40], [255; 8]);
+    assert_eq!(bytes[40..48], [0xfe, 0xff, 0xff, 0xff, 0xfd, 0xff, 0x55, 0x35]);
+    assert_eq!(bytes[48..60], [1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0]);
+    assert_eq!(bytes[88..96], 4.0f64.to_le_bytes());
+    assert_eq!(buffer.get::<f32>("f16").unwrap(), 0.333_251_95);
+    assert_eq!(buffer.get::<[bool; 2]>("b2").unwrap(), [false, true]);
+}
+
+#[test]
+fn another_type_is_refused_by_both_names_and_nothing_is_written() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    let text = said(buffer.set("data[3].color", [1.0f32, 2.0]));
+    assert_eq!(text, "`data[3].color` is `vec3`, not `[f32; 2]`\nhelp: use `[f32; 3]`");
+    let text = said(buffer.set("data[3].intensity", 1));
+    assert_eq!(text, "`data[3].intensity` is `float`, not `i32`\nhelp: use `f32`");
+    assert!(said(buffer.set("actually_used_count", 1u32)).contains("not `u32`"));
+    assert!(said(buffer.set("actually_used_count", true)).contains("not `bool`"));
+    assert!(said(buffer.set("data[3].color.x", 1.0f64)).contains("is `float`, not `f64`"));
+    assert!(said(buffer.handle::<[f32; 4]>("data[].pos")).contains("not `[f32; 4]`"));
+    assert!(buffer.bytes().iter().all(|&byte| byte == 0));
+    assert_eq!(buffer.dirty(0).count(), 0);
+}
+
+#[test]
+fn a_wrong_path_is_refused_with_what_would_be_right() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    let mut said = |path: &str| said(buffer.set(path, [0.0f32; 3]));
+    assert_eq!(
+        said("data[3].colour"),
+        "no member `colour` in `data[3]` (path `data[3].colour`)\n\
+         help: did you mean `data[3].color`?"
+    );
+    assert_eq!(
+        said("date[3].color"),
+        "no member `date` in the block (path `date[3].color`)\nhelp: did you mean `data[3].color`?"
+    );
+    assert_eq!(
+        said("data[128].color"),
+        "index 128 in `data[128].color` is out of range: the length is 128"
+    );
+    assert!(said("data[99999999999999999999].color").contains("is out of range"));
+    assert_eq!(said("data.color"), "`data.color` lacks the index of an array of 128 elements");
+    assert!(said("data[].color").contains("lacks the index"));
+    assert_eq!(
+        said("data"),
+        "`data` is `PointLight[128]`, not a single value\nhelp: go on with an index"
+    );
+    assert!(said("data[3]").contains("`PointLight`, not a single value\nhelp: go on with `.pos`,"));
+    assert_eq!(
+        said("data[3].color[3]"),
+        "index 3 in `data[3].color[3]` is out of range: the length is 3"
+    );
+    assert_eq!(
+        said("data[3][1].color"),
+        "`data[3]` is `PointLight` and takes no further index or component"
+    );
+    assert_eq!(
+        said("data[3].intensity.x"),
+        "`data[3].intensity` is `float` and takes no further index or component"
+    );
+    for path in [
+        "data[3",
+        "data[-1].color",
+        "data[3].",
+        ".data",
+        "data[3]color",
+        "data[x].color",
+        "data[3]..color",
+        "[3]",
+        "data[ 3].color",
+        "u_point_light_array.",
+        "é[1]",
+        "data[é]",
+        "data[3].color\0",
+        "data[3].color\0\0",
+        "data\0[3].color",
+    ] {
+        let text = said(path);
+        assert!(text.contains("is not a path") || text.contains("no member"), "{path}: {text}");
+    }
+    assert!(buffer.bytes().iter().all(|&byte| byte == 0));
+}
+
+#[test]
+fn a_handle_sets_what_its_path_does() {
+    let block = block(LIGHTS);
+    let mut buffer = Buffer::new(&block).unwrap();
+    let color = buffer.handle::<[f32; 3]>("data[].color").unwrap();
+    for i in 0..128 {
+        buffer.set_at(&color, [i], [i as f32, 0.0, 1.0]).unwrap();
+    }
+    assert_eq!(buffer.get::<[f32; 3]>("data[77].color").unwrap(), [77.0, 0.0, 1.0]);
+    assert_eq!(
+        said(buffer.set_at(&color, [128], [0.0; 3])),
+        "index 128 in `data[].color` is out of range: the length is 128"
+    );
+    assert!(
+        said(buffer.set_at(&color, [], [0.0; 3])).contains("takes 1 indices, but 0 were given")
+    );
+    let fixed = buffer.handle::<f32>("data[5].color.y").unwrap();
+    buffer.set_at(&fixed, [], 9.0).unwrap();
+    assert_eq!(f32_at(buffer.bytes(), 5 * 48 + 20), 9.0);
+    // Another buffer of a block laid out alike takes it, one of another block does not.
+    Buffer::new(&block).unwrap().set_at(&color, [1], [0.0; 3]).unwrap();
+    let text = LIGHTS.replace("[128]", "[64]");
+    let mut other = Buffer::new(&self::block(&text)).unwrap();
+    assert!(said(other.set_at(&color, [1], [0.0; 3])).contains("another block"));
+}
+
+#[test]
+fn one_moved_light_is_one_range_of_12_bytes() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    buffer.set("data[3].pos", [1.0f32, 2.0, 3.0]).unwrap();
+    assert_eq!(buffer.dirty(64).collect::<Vec<_>>(), [144..156]);
+    assert_eq!(buffer.upload(64), Upload { ranges: 1, bytes: 12, whole: 6160 });
+    buffer.set("data[5].pos", [1.0f32, 2.0, 3.0]).unwrap();
+    assert_eq!(buffer.dirty(83).collect::<Vec<_>>(), [144..156, 240..252]);
+    assert_eq!(buffer.dirty(84).collect::<Vec<_>>(), [144..252]);
+    buffer.clear_dirty();
+    assert_eq!(buffer.dirty(84).count(), 0);
+}
+
+#[test]
+fn the_whole_is_cheaper_once_calls_cost_more_than_bytes() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    let pos = buffer.handle::<[f32; 3]>("data[].pos").unwrap();
+    assert!(!buffer.upload(0).whole_is_cheaper(1 << 20));
+    for light in 0..128 {
+        buffer.set_at(&pos, [light], [1.0; 3]).unwrap();
+    }
+    let upload = buffer.upload(0);
+    assert_eq!((upload.ranges, upload.bytes), (128, 1536));
+    assert!(!upload.whole_is_cheaper(16));
+    assert!(upload.whole_is_cheaper(64));
+    assert!(!buffer.upload(64).whole_is_cheaper(64));
+    buffer.mark_all();
+    assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [0..6160]);
+}
+
+/// A mirror of `PointLight`: its bytes as a type that `bytemuck` knows already.
+const LIGHT: [f32; 12] = [1.0, 2.0, 3.0, 0.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 0.0];
+
+#[test]
+fn a_mirror_is_written_over_its_element() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    buffer.write_pod("data[3]", &LIGHT).unwrap();
+    assert_eq!(buffer.get::<[f32; 3]>("data[3].color").unwrap(), [4.0, 5.0, 6.0]);
+    assert_eq!(buffer.get::<f32>("data[3].quadratic").unwrap(), 10.0);
+    assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [144..188]);
+    assert_eq!(buffer.read_pod::<[f32; 12]>("data[3]").unwrap(), LIGHT);
+    let text = said(buffer.write_pod("data[3]", &[0f32; 10]));
+    assert_eq!(text, "`data[3]` is `PointLight` of 48 bytes, but the mirror has 40 bytes");
+    assert!(buffer.write_pod("data[128]", &LIGHT).is_err());
+    buffer.write_pod("data[4].pos", &[1f32, 2.0, 3.0]).unwrap();
+}
+
+#[test]
+fn a_mirror_of_a_block_has_its_size_or_ends_with_its_data() {
+    let block = block("layout(std140) uniform B { vec4 a; vec3 b; float c; vec2 d; } u;");
+    let mut buffer = Buffer::new(&block).unwrap();
+    buffer.write_pod("", &[1u32; 12]).unwrap();
+    assert_eq!(buffer.bytes()[40..], [0; 8], "padding at the end stays zero");
+    buffer.write_pod("u", &[2u32; 10]).unwrap();
+    assert_eq!(buffer.bytes()[36..], [2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+    assert!(said(buffer.write_pod("B", &[3u32; 11])).contains("`B` of 48 bytes"));
+    assert_eq!(buffer.read_pod::<[u32; 12]>("").unwrap()[9..], [2, 0, 0]);
+}
+
+#[test]
+fn mirrors_are_written_over_elements_that_follow_each_other() {
+    let mut buffer = Buffer::new(&block(LIGHTS)).unwrap();
+    buffer.write_slice("data[2]", &[LIGHT; 3]).unwrap();
+    assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [96..236]);
+    assert_eq!(buffer.get::<f32>("data[4].intensity").unwrap(), 7.0);
+    buffer.write_slice("data", &[LIGHT; 128]).unwrap();
+    assert_eq!(
+        said(buffer.write_slice("data[126]", &[LIGHT; 3])),
+        "index 128 in `data[126]` is out of range: the length is 128"
+    );
+    assert!(
+        said(buffer.write_slice("data", &[0f32; 12])).contains("48 bytes, but the mirror has 4")
+    );
+    assert!(said(buffer.write_slice("actually_used_count", &[0f32])).contains("takes no further"));
+}
+
+#[test]
+fn the_last_element_in_scalar_layout_leaves_the_next_member_alone() {
+    let text = "
+        #extension GL_EXT_scalar_block_layout : require
+        #extension GL_EXT_shader_explicit_arithmetic_types : require
+        struct S { double d; float f; };
+        layout(scalar) buffer B { S s[2]; float after; };";
+    let mut buffer = Buffer::new(&block(text)).unwrap();
+    // Stride 16, but `s` ends with its last float at 28.
+    buffer.set("after", 5.0f32).unwrap();
+    assert_eq!(f32_at(buffer.bytes(), 28), 5.0);
+    buffer.write_slice("s", &[[0u64; 2]; 2]).unwrap();
+    buffer.write_pod("s[1]", &[0u64; 2]).unwrap();
+    buffer.write_pod("s", &[[0u32; 4]; 2]).unwrap();
+    assert_eq!(buffer.get::<f32>("after").unwrap(), 5.0);
+}
+
+#[test]
+fn a_runtime_sized_tail_has_the_elements_it_was_made_with() {
+    let text = "struct L { vec3 p; float i; };
+        layout(std430) buffer B { vec4 head; uint count; L lights[]; } b;";
+    let block = block(text);
+    assert!(said(Buffer::new(&block)).contains("ends in the runtime-sized array `lights[]`"));
+    let mut buffer = Buffer::with_tail(&block, 3).unwrap();
+    assert_eq!((buffer.bytes().len(), buffer.tail_len()), (32 + 3 * 16, 3));
+    buffer.set("lights[2].i", 1.0f32).unwrap();
+    assert_eq!(floats(&buffer), [(32 + 2 * 16 + 12, 1.0)]);
+    assert_eq!(
+        said(buffer.set("b.lights[3].i", 1.0f32)),
+        "index 3 in `b.lights[3].i` is out of range: the runtime-sized array of this buffer was \
+         made with 3 elements"
+    );
+    let handle = buffer.handle::<f32>("lights[].i").unwrap();
+    assert!(said(buffer.set_at(&handle, [3], 1.0)).contains("was made with 3 elements"));
+    let fixed = buffer.handle::<f32>("lights[2].i").unwrap();
+    let mut shorter = Buffer::with_tail(&block, 0).unwrap();
+    assert_eq!(shorter.bytes().len(), 48);
+    assert!(said(shorter.set_at(&fixed, [], 1.0)).contains("end past the buffer's 48 bytes"));
+    buffer.write_slice("lights", &[[1f32; 4]; 3]).unwrap();
+    assert!(buffer.write_slice("lights", &[[1f32; 4]; 4]).is_err());
+    buffer.write_pod("", &[0u32; 5]).unwrap();
+    assert_eq!(buffer.get::<f32>("lights[0].i").unwrap(), 1.0);
+    let again = Buffer::from_bytes(&block, buffer.bytes()).unwrap();
+    assert_eq!((again.tail_len(), again.bytes()), (3, buffer.bytes()));
+}
+
+#[test]
+fn a_block_without_bytes_of_its_own_is_refused() {
+    let loose = block("uniform vec3 color;");
+    assert!(said(Buffer::new(&loose)).contains("loose uniforms are set one by one"));
+    let fixed = block(LIGHTS);
+    assert!(said(Buffer::with_tail(&fixed, 1)).contains("does not end in a runtime-sized array"));
+    let tail = block("layout(std430) buffer B { vec4 a[]; };");
+    assert!(said(Buffer::with_tail(&tail, 1 << 40)).contains("more than can be held"));
+    assert!(said(Buffer::with_tail(&tail, usize::MAX)).contains("more than can be held"));
+    let text = said(Buffer::from_bytes(&fixed, &[0; 6148]));
+    assert_eq!(text, "`PointLightBlock` has 6160 bytes, but 6148 bytes were given");
+}

@@ -1,0 +1,23 @@
+//! Tests of layouts, locks, buffers and generated code.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod buffer;
+mod build_script;
+mod c_header;
+mod codec;
+mod diff_mutations;
+mod fuzz;
+mod glsl;
+mod lock;
+mod mirror_text;
+mod mirrors;
+mod oracles;
+mod port;
+mod port_naga;
+mod properties;
+mod rules;
+mod wgsl;
+mod wgsl_findings;
+mod wgsl_naga;

@@ -1,0 +1,314 @@
+//! Old GLSL ported to Vulkan's: glslang compiles it with the bindings and
+//! locations as they are written, its block has the layout the loose uniforms
+//! have when gathered, what need not change did not, and an OpenGL driver
+//! draws the same picture with both.
+
+use crate::support;
+
+use std::path::Path;
+
+use landfall_layout::port::{Dialect, Direction, PortOptions, Ported, port};
+use landfall_layout::{Options, Source, layout};
+use support::driver::{Api, Driver};
+use support::glslang;
+use support::picture::draw;
+
+fn fixture(name: &str) -> Source {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/port").join(name);
+    let text = std::fs::read_to_string(path).expect("the fixture is there");
+    Source::new(name, text)
+}
+
+fn with_partner(partner: &str) -> PortOptions {
+    PortOptions { partner: Some(fixture(partner)), ..PortOptions::default() }
+}
+
+fn ported(source: &Source, options: &PortOptions) -> Ported {
+    port(source, options).unwrap_or_else(|e| panic!("{}: {e:#?}", source.path))
+}
+
+fn text(source: &str) -> Result<String, String> {
+    let result = port(&Source::new("test.frag", source), &PortOptions::default());
+    result.map(|p| p.source.text.to_string()).map_err(|mut e| e.swap_remove(0).message)
+}
+
+const PAIRS: [(&str, &str); 3] =
+    [("room.vert", "room.frag"), ("mobile.vert", "mobile.frag"), ("desktop.vert", "desktop.frag")];
+
+fn all() -> Vec<(Source, Ported)> {
+    let mut all = Vec::new();
+    for (vert, frag) in PAIRS {
+        all.push((fixture(vert), ported(&fixture(vert), &with_partner(frag))));
+        all.push((fixture(frag), ported(&fixture(frag), &with_partner(vert))));
+    }
+    all.push((
+        fixture("old_blocks.frag"),
+        ported(&fixture("old_blocks.frag"), &PortOptions::default()),
+    ));
+    all
+}
+
+#[test]
+fn glslang_compiles_what_is_ported_and_lays_it_out_as_gathered() {
+    for (source, ported) in all() {
+        let stage = source.path.split('.').next_back().expect("an extension");
+        let options = glslang::Options { auto_map: false, reflect: false, ..Default::default() };
+        let blocks = glslang::blocks(&ported.source.text, stage, &options)
+            .unwrap_or_else(|e| panic!("{}: {e}\n{}", source.path, ported.source.text));
+        let gathered = layout(&source, &Options { gather: true, ..Options::default() });
+        let gathered = gathered.blocks.iter().find(|b| &*b.name == "DefaultBlock");
+        let gathered = gathered.expect("every fixture has loose uniforms");
+        let block = ported.block.as_deref().expect("and so a block");
+        let moved = blocks.iter().find(|b| b.name == block).expect("glslang lists it");
+        assert_eq!(moved.leaves.len(), gathered.leaves.len(), "{}", source.path);
+        for leaf in &gathered.leaves {
+            let found = moved.leaves.iter().find(|l| l.path == ported.new_path(&leaf.path));
+            let found = found.unwrap_or_else(|| panic!("{}: no {}", source.path, leaf.path));
+            assert_eq!(Some(found.offset), leaf.offset, "{}: {}", source.path, leaf.path);
+            let strides: Vec<u64> = found.strides.iter().flatten().copied().collect();
+            assert_eq!(strides, leaf.strides, "{}: {}", source.path, leaf.path);
+            assert!(!found.row_major, "{}: {}", source.path, leaf.path);
+        }
+    }
+}
+
+/// Our own shaders: the old ones become Vulkan's, the others stay compilable.
+#[test]
+fn every_shader_of_ours_is_ported() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let mut folders = vec![root.clone()];
+    let (mut ported_files, mut gathered) = (0, 0);
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder of shaders") {
+            let path = entry.expect("an entry").path();
+            let extension = path.extension().map_or(String::new(), |e| e.display().to_string());
+            if path.is_dir() {
+                folders.push(path);
+            } else if ["vert", "frag", "comp"].contains(&extension.as_str()) {
+                let source = Source::read(&path).expect("a shader");
+                let ported = ported(&source, &PortOptions::default());
+                let options = glslang::Options {
+                    auto_map: false,
+                    reflect: false,
+                    target_env: Some("vulkan1.2"),
+                    include_dirs: vec![root.join("include")],
+                    ..Default::default()
+                };
+                glslang::blocks(&ported.source.text, &extension, &options)
+                    .unwrap_or_else(|e| panic!("{}: {e}\n{}", source.path, ported.source.text));
+                ported_files += 1;
+                gathered += usize::from(ported.block.is_some());
+            }
+        }
+    }
+    assert!(ported_files >= 40 && gathered >= 15, "{ported_files} shaders, {gathered} gathered");
+}
+
+#[test]
+fn nothing_is_bound_twice() {
+    for (vert, frag) in PAIRS {
+        let mut bindings = ported(&fixture(vert), &with_partner(frag)).bindings;
+        bindings.extend(ported(&fixture(frag), &with_partner(vert)).bindings);
+        let mut numbers: Vec<u32> = bindings.iter().map(|b| b.binding).collect();
+        numbers.sort_unstable();
+        let before = numbers.len();
+        numbers.dedup();
+        assert_eq!(numbers.len(), before, "{vert} and {frag}: {bindings:#?}");
+    }
+}
+
+#[test]
+fn both_stages_agree_on_locations() {
+    for (vert, frag) in PAIRS {
+        let out = ported(&fixture(vert), &with_partner(frag)).locations;
+        let into = ported(&fixture(frag), &with_partner(vert)).locations;
+        let mut shared = 0;
+        for read in into.iter().filter(|l| l.direction == Direction::In) {
+            let written = out.iter().find(|l| l.direction == Direction::Out && l.name == read.name);
+            assert_eq!(written.map(|l| l.location), Some(read.location), "{}", read.name);
+            shared += 1;
+        }
+        assert!(shared >= 2, "{vert}");
+    }
+}
+
+/// Lines no change falls into are in the result, in order, and no comment is lost.
+#[test]
+fn what_need_not_change_stays_as_it_is() {
+    let touched = [
+        "uniform",
+        "sampler",
+        "attribute",
+        "varying",
+        "in ",
+        "out ",
+        "texture",
+        "gl_Frag",
+        "#if",
+        "#version",
+        "#extension",
+        "shadow2D",
+        "sample",
+        "flat",
+        "Wall w",
+        "cover(",
+        "light(",
+        "SAMPLE",
+        "gloss_of(",
+        "buffer",
+    ];
+    for (source, ported) in all() {
+        let mut rest = ported.source.text.lines();
+        for line in source.text.lines().filter(|line| !line.trim().is_empty()) {
+            if touched.iter().all(|word| !line.contains(word)) && !line.trim().starts_with("//") {
+                assert!(rest.any(|new| new == line), "{}: lost `{line}`", source.path);
+            }
+        }
+        for line in source.text.lines() {
+            if let Some((_, comment)) = line.split_once("//") {
+                let kept = ported.source.text.contains(comment);
+                assert!(kept || comment.contains("its colour"), "{}: //{comment}", source.path);
+            }
+        }
+    }
+}
+
+#[test]
+fn initial_values_and_new_names_are_reported() {
+    let room = ported(&fixture("room.frag"), &with_partner("room.vert"));
+    let values: Vec<_> = room.values.iter().map(|v| (&*v.name, &*v.value)).collect();
+    assert_eq!(values, [("exposure", "1.25")]);
+    let new = |old: &str| room.renamed.iter().find(|row| row.0 == old).map(|row| row.1.as_str());
+    assert_eq!(new("wall.paint"), Some("wall_paint"));
+    assert_eq!(new("layers.mask"), Some("layers_mask"));
+    let mobile = ported(&fixture("mobile.frag"), &PortOptions::default());
+    let renamed: Vec<_> = mobile.renamed.iter().map(|(old, new)| (&**old, &**new)).collect();
+    assert_eq!(renamed, [("texture", "texture_"), ("sample", "sample_")]);
+}
+
+/// The picture of a pair, and that of the pair ported: the original with each uniform set by its
+/// name, the ported text with one buffer. The driver is OpenGL's, so `set = N` is taken out.
+fn pictures(driver: &Driver, [vert, frag]: [&Source; 2]) -> [Vec<u32>; 2] {
+    let options =
+        |partner: &Source| PortOptions { partner: Some(partner.clone()), ..PortOptions::default() };
+    let both = [ported(vert, &options(frag)), ported(frag, &options(vert))];
+    let before = draw(driver, [vert, frag], &[]);
+    let renamed: Vec<_> = both.iter().flat_map(|p| p.renamed.clone()).collect();
+    let after = draw(driver, [&both[0].source, &both[1].source], &renamed);
+    let distinct: std::collections::BTreeSet<_> = before.iter().collect();
+    assert!(distinct.len() > 500, "{}: a picture of {} values", frag.path, distinct.len());
+    [before, after]
+}
+
+#[test]
+fn a_driver_draws_the_same_picture_bit_for_bit() {
+    let driver = Driver::open(Api::Gl);
+    for (vert, frag) in &PAIRS[..2] {
+        // OpenGL ES computes in 16 bits where it is allowed to; here nothing allows it.
+        let high = |name: &str| {
+            let source = fixture(name);
+            let text = source.text.replace("lowp", "highp").replace("mediump", "highp");
+            Source { text: text.into(), ..source }
+        };
+        let [before, after] = pictures(&driver, [&high(vert), &high(frag)]);
+        let differ = before.iter().zip(&after).filter(|(a, b)| a != b).count();
+        assert_eq!(differ, 0, "{frag}: values that differ of {}", before.len());
+    }
+}
+
+/// Vulkan's GLSL keeps `lowp` and `mediump`, but OpenGL 4.5 takes no notice of them, so the
+/// pictures differ by what 16 bits cost the original.
+#[test]
+fn lower_precision_costs_the_original_less_than_a_step() {
+    let driver = Driver::open(Api::Gl);
+    let [before, after] = pictures(&driver, [&fixture("mobile.vert"), &fixture("mobile.frag")]);
+    let far = before.iter().zip(&after);
+    let far = far.map(|(a, b)| (f32::from_bits(*a) - f32::from_bits(*b)).abs());
+    let far = far.fold(0.0, f32::max);
+    assert!(far < 1.0 / 255.0, "{far}");
+}
+
+#[test]
+fn porting_twice_changes_nothing_more() {
+    for (source, once) in all() {
+        let twice = ported(&once.source, &PortOptions::default());
+        let bound = once.source.text.contains("binding");
+        assert!(bound && twice.block.is_none(), "{}", source.path);
+        assert_eq!(twice.source.text, once.source.text, "{}", source.path);
+    }
+}
+
+#[test]
+fn what_cannot_be_ported_is_refused_by_name() {
+    for (source, message) in [
+        ("void main() { gl_FragColor = gl_Color; }", "`gl_Color` belongs to the fixed functions"),
+        (
+            "struct M { sampler2D a; float b; }; uniform M m;\nvoid f(M x) {}\n\
+             void main() { M copy = m; f(copy); }",
+            "a copy of `M` would copy the handles in it",
+        ),
+        (
+            "#define U uniform vec3\nU eye;\nvoid main() { gl_FragColor = vec4(eye, 1.0); }",
+            "`eye` is declared by a macro or in an include",
+        ),
+        (
+            "uniform float a[];\nvoid main() { gl_FragColor = vec4(a[2]); }",
+            "the size of `a` is not written, and a block needs it",
+        ),
+        (
+            "uniform float a;\nfloat f() { return a; }\nstruct S { float x; };\nuniform S s;\n\
+             void main() { gl_FragColor = vec4(f() + s.x); }",
+            "`a` and the others are used before all their types are declared",
+        ),
+        (
+            "void main() { for (int i = 0; i < 2; i++) gl_FragData[i] = vec4(1.0); }",
+            "`gl_FragData` is indexed by what is no number",
+        ),
+        (
+            "struct M { sampler2D a; }; uniform M m;\n#define A m.a\n\
+             void main() { gl_FragColor = texture2D(A, vec2(0.5)); }",
+            "a macro uses `m`, which has handles in it",
+        ),
+    ] {
+        assert_eq!(text(source), Err(message.to_string()), "{source}");
+    }
+}
+
+#[test]
+fn declarations_stay_outside_conditions() {
+    let new = text(
+        "#define FANCY\nuniform float a;\n#ifdef FANCY\nuniform float b;\n#endif\n\
+         void main() { gl_FragColor = vec4(a + b); }\n",
+    );
+    let want = "#version 450\n#define FANCY\n#ifdef FANCY\n#endif\n\
+                layout(set = 0, binding = 0, std140) uniform DefaultBlock {\n    float a;\n    \
+                float b;\n};\nlayout(location = 0) out vec4 FragColor;\n\
+                void main() { FragColor = vec4(a + b); }\n";
+    assert_eq!(new.as_deref(), Ok(want));
+}
+
+/// Broken text is refused or ported, never a panic.
+#[test]
+fn broken_text_does_no_harm() {
+    let mut rng = fastrand::Rng::with_seed(7);
+    let names = ["room.vert", "room.frag", "mobile.frag", "desktop.frag", "old_blocks.frag"];
+    let mut refused = 0;
+    for round in 0..3000 {
+        let source = fixture(names[round % names.len()]);
+        let mut words: Vec<&str> =
+            source.text.split_inclusive([' ', '(', ')', ';', '\n', ',', '.', '[']).collect();
+        for _ in 0..rng.usize(1..4) {
+            let (from, to) = (rng.usize(..words.len()), rng.usize(..words.len()));
+            match rng.u8(..3) {
+                0 => drop(words.remove(from)),
+                1 => words.insert(to, words[from]),
+                _ => words.swap(from, to),
+            }
+        }
+        let broken = Source { text: words.concat().into(), ..source };
+        let dialect = if round % 2 == 0 { Dialect::Vulkan } else { Dialect::Naga };
+        let options = PortOptions { dialect, ..PortOptions::default() };
+        refused += usize::from(port(&broken, &options).is_err());
+    }
+    assert!(refused > 500 && refused < 3000, "{refused}");
+}

@@ -1,0 +1,160 @@
+//! What `landfall rule` says of each lint holds: it reports its own example.
+
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::lock;
+use landfall_layout::{Options, ShaderLayout, Source, layout};
+use landfall_lint::settings::{Figure, RustFile, Table, Target};
+use landfall_lint::{LINTS, Lint, Settings, Subject, allow, driver_disagrees, run};
+
+/// What an example needs besides its text; nearly all need nothing.
+#[derive(Default)]
+struct Beside {
+    settings: Settings,
+    /// Another shader of the run.
+    other: Option<(&'static str, String)>,
+}
+
+fn laid_out(path: &str, text: &str) -> (Source, ShaderLayout) {
+    let source = Source::new(path, text);
+    let shader = layout(&source, &Options { naga: true, ..Options::default() });
+    assert!(!shader.has_errors(), "{path}: {:?}", shader.diagnostics);
+    (source, shader)
+}
+
+/// The text with `from` replaced, which has to be in it.
+fn changed(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from}\n{text}");
+    text.replacen(from, to, 1)
+}
+
+fn beside(lint: &Lint) -> Beside {
+    let mut beside = Beside::default();
+    let settings = &mut beside.settings;
+    match lint.code {
+        "block-mismatch" => {
+            let other =
+                changed(lint.example, "vec3 position; vec3 color;", "vec3 color; vec3 position;");
+            beside.other = Some(("shaders/a.vert", other));
+        }
+        "buffer-too-small" => {
+            let size = Figure { bytes: 6148, written: "48 * 128 + 4".into(), ..Figure::default() };
+            let block = "PointLightBlock".to_string();
+            settings.tables = vec![Table { block, size: Some(size), ..Table::default() }];
+        }
+        "define-changes-layout" => {
+            settings.permutations = vec![vec![("SHADOWS".to_string(), "1".to_string())]];
+        }
+        "over-limit" => settings.targets = vec![Target::Gl33],
+        "push-constant-limit" => settings.targets = vec![Target::Vulkan],
+        "webgl2-size" => settings.targets = vec![Target::WebGl2],
+        "rust-mirror" | "rust-mirror-unknown" => {
+            let text = lint.example.into();
+            settings.rust_files = vec![RustFile { path: "src/light.rs".to_string(), text }];
+            let shader = "layout(std140) uniform Light { vec3 direction; vec3 color; };\n";
+            beside.other = Some(("shaders/light.frag", shader.to_string()));
+        }
+        _ => {}
+    }
+    settings.levels = vec![(lint.code.to_string(), Level::Deny)];
+    beside
+}
+
+fn path(text: &str) -> &'static str {
+    if text.contains("var<") {
+        "shaders/a.wgsl"
+    } else if text.contains("gl_Position") {
+        "shaders/a.vert"
+    } else {
+        "shaders/a.frag"
+    }
+}
+
+/// What a run over the example finds.
+fn found(lint: &Lint) -> Vec<Finding> {
+    let Beside { settings, other } = beside(lint);
+    let is_rust = lint.code.starts_with("rust-mirror");
+    let own = (!is_rust).then(|| laid_out(path(lint.example), lint.example));
+    let other = other.map(|(path, text)| laid_out(path, &text));
+    let options = Options { naga: true, ..Options::default() };
+    let all: Vec<(Source, ShaderLayout)> = own.into_iter().chain(other).collect();
+    let subjects: Vec<Subject<'_>> =
+        all.iter().map(|(source, shader)| Subject { source, options: &options, shader }).collect();
+    let mut found: Vec<Finding> =
+        subjects.iter().flat_map(|subject| run::shader(subject, &settings)).collect();
+    found.extend(run::tree(&subjects, &settings));
+    found
+}
+
+/// What is found by comparing with something that is no shader.
+fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
+    match lint.code {
+        "lock-orphan" => vec![landfall_lint::drift::orphan("layouts/shaders/lights/old.frag.json")],
+        "lock-missing" => {
+            let (_, shader) = laid_out("shaders/a.frag", lint.example);
+            landfall_lint::drift::drift(&shader, "layouts/shaders/a.frag.json", None)
+        }
+        "layout-drift" => {
+            // Its comment says what the lock has: a lone `vec3` before `count`.
+            let old = changed(lint.example, "    vec3 color;\n", "");
+            let (_, old) = laid_out("shaders/a.frag", &old);
+            assert_eq!(old.blocks[0].leaves[1].offset, Some(12));
+            let (_, new) = laid_out("shaders/a.frag", lint.example);
+            let text = lock::write(&old);
+            let lock = lock::read("layouts/shaders/a.frag.json", &text).expect("a lock");
+            landfall_lint::drift::drift(&new, "layouts/shaders/a.frag.json", Some(&lock))
+        }
+        "driver-disagrees" => {
+            let (_, shader) = laid_out("shaders/a.frag", lint.example);
+            let report = r#"{"schema_version":1,"shaders":[{"path":"shaders/a.frag","blocks":[
+                {"name":"Light","readers":[{"reader":"gl","form":"original","causes":[],"reads":[
+                {"path":"intensity","leaf":"intensity","expected_byte":12,"byte_read":16}]}]}]}]}"#;
+            let report = driver_disagrees::read("seen.json", report).expect("a report");
+            report.findings(&|_| Some(&shader))
+        }
+        "unused-allow" => {
+            let (_, shader) = laid_out("shaders/a.frag", lint.example);
+            let allows = allow::allows(&shader.files, shader.language);
+            allow::unused(&allows, &Settings::default(), |_| true)
+        }
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn every_lint_reports_its_own_example() {
+    for lint in LINTS {
+        let mut all = found_elsewhere(lint);
+        if all.is_empty() {
+            all = found(lint);
+        }
+        let codes: Vec<&str> = all.iter().map(|f| f.code.as_str()).collect();
+        assert!(codes.contains(&lint.code), "{}: {codes:?}", lint.code);
+        for finding in all.iter().filter(|f| f.code == lint.code) {
+            assert!(!finding.about.is_empty() && !finding.message.is_empty(), "{}", lint.code);
+            let help = finding.help.is_some() || !finding.notes.is_empty();
+            assert!(help, "{} says neither why nor what to do: {finding:?}", lint.code);
+        }
+    }
+}
+
+#[test]
+fn every_lint_has_a_kebab_case_code_of_its_own_and_says_what_why_and_how_to_mend() {
+    for lint in LINTS {
+        let words = lint.code.split('-');
+        let is_word = |word: &str| {
+            !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit())
+        };
+        assert!(words.clone().count() > 1 && words.clone().all(is_word), "{}", lint.code);
+        for text in [lint.what, lint.why, lint.example, lint.fix] {
+            assert!(text.len() > 20 && !text.contains("  ") || text == lint.example, "{text}");
+        }
+        // One sentence, as it stands in a list.
+        assert!(!lint.what.ends_with('.') && !lint.what.contains(". "), "{}", lint.what);
+        assert!(!lint.what.starts_with("reports"), "{}", lint.what);
+    }
+    let mut codes: Vec<&str> = LINTS.iter().map(|lint| lint.code).collect();
+    let listed = codes.clone();
+    codes.sort_unstable();
+    codes.dedup();
+    assert_eq!(codes, listed, "by code, each once");
+}

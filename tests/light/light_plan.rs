@@ -1,0 +1,515 @@
+//! Plans keep what they promise: exact ones change no bit, a budget is kept on every fragment by
+//! the reference in `f64`, and what is measured is measured against it too.
+
+use std::path::Path;
+
+use glam::{DMat4, DVec3, Vec3};
+use landfall_light::compiled::{
+    Form, Gates, Lights, Model, Shaded, SpecularTerm, Work, execute, shade_all, surfaces,
+};
+use landfall_light::reference;
+use landfall_light::sample::texels;
+use landfall_light::scene;
+use landfall_light::scene::{Attenuation, Cone, Emission, PointLight, Scene, SpotLight};
+use landfall_light::skip;
+use landfall_light::skip::{Claim, Measured, Options, Plan, STEP, brute, compare};
+use landfall_light::{Fragment, Frame, FrameOptions, Upload};
+
+const ROBUST: Form = Form::Robust(Gates::ALL);
+
+struct Lit {
+    scene: Scene,
+    upload: Upload,
+    frame: Frame,
+}
+
+impl Lit {
+    fn of(scene: Scene) -> Lit {
+        let frame = Frame::new(&scene, &FrameOptions::default());
+        Lit { upload: Upload::new(&scene), frame, scene }
+    }
+
+    fn plan(&self, model: &Model, text: &str) -> Plan {
+        skip::plan(&self.upload, &self.frame, model, &skip::parse(text).expect(text))
+    }
+
+    fn lit(&self, model: &Model, plan: &Plan) -> Shaded<Work> {
+        let surfaces = surfaces(&self.frame, &self.upload, model, 0.0);
+        execute(plan, &self.upload, &surfaces, model, ROBUST)
+    }
+
+    fn brute(&self, model: &Model) -> Shaded<Work> {
+        brute(&self.upload, &self.frame, model, ROBUST)
+    }
+}
+
+fn read(name: &str, seed: u32, size: [u32; 2]) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes");
+    let path = folder.join(name);
+    let text = std::fs::read_to_string(&path).expect("a scene of ours");
+    let text = text.replace("\"seed\": 42", &format!("\"seed\": {seed}"));
+    let open = |name: &str| {
+        std::fs::read(folder.join(name))
+            .map_err(|e| landfall_layout::Error::new(name, e.to_string()))
+    };
+    let reading = scene::read(name, &text, &open);
+    let mut scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
+    scene.size = size;
+    scene
+}
+
+/// The 1,024 lights of a seed.
+fn many(seed: u32, size: [u32; 2]) -> Lit {
+    Lit::of(read("lights_1024.json", seed, size))
+}
+
+fn windowed(seed: u32, size: [u32; 2]) -> Lit {
+    Lit::of(read("lights_1024_windowed.json", seed, size))
+}
+
+const WINDOWED: Model = Model { windowed: true, specular: SpecularTerm::Everywhere, ..DEFAULT };
+
+const DEFAULT: Model = Model {
+    windowed: false,
+    specular: SpecularTerm::Everywhere,
+    ambient: landfall_light::compiled::AmbientTerm::PerLight,
+    terms: landfall_light::compiled::Terms::Three,
+    cone: landfall_light::compiled::ConeTerm::Ramp,
+    reflectance: landfall_light::compiled::ReflectanceTerm::Ignored,
+    shininess: None,
+};
+
+fn bits(colors: &[Vec3]) -> Vec<[u32; 3]> {
+    colors.iter().map(|color| color.to_array().map(f32::to_bits)).collect()
+}
+
+fn every_fragment_is_in_one_draw(plan: &Plan, frame: &Frame) {
+    let mut seen: Vec<u32> =
+        plan.draws.iter().flat_map(|draw| draw.fragments.iter().copied()).collect();
+    assert!(plan.draws.iter().all(|draw| draw.fragments.is_sorted()));
+    seen.sort_unstable();
+    let all: Vec<u32> = (0..frame.fragments.len() as u32).collect();
+    assert!(seen == all, "{} of {} fragments", seen.len(), all.len());
+}
+
+/// Fragments with the lights that are in range there, by the scene's own numbers.
+fn in_range(lit: &Lit) -> u64 {
+    let at = |f: &Fragment| DVec3::from(f.position.map(f64::from));
+    let lights = &lit.upload.lights.point;
+    let inside = |f: &Fragment| {
+        let from = at(f);
+        let near = |light: &&PointLight| {
+            let range = light.attenuation.range.expect("a windowed scene");
+            (light.position - from).length() < range
+        };
+        lights.iter().filter(near).count() as u64
+    };
+    lit.frame.fragments.iter().map(inside).sum()
+}
+
+#[test]
+fn windowed_lights_by_tiles_and_clusters_are_those_of_all_lights_bit_for_bit() {
+    let lit = windowed(42, [640, 360]);
+    let all = lit.brute(&WINDOWED);
+    let reached = in_range(&lit);
+    let fragments = lit.frame.fragments.len() as u64;
+    println!("{fragments} fragments, in range {:.1}", reached as f64 / fragments as f64);
+    for text in ["tiles=8", "clusters=32x18x48"] {
+        let plan = lit.plan(&WINDOWED, text);
+        every_fragment_is_in_one_draw(&plan, &lit.frame);
+        let culled = lit.lit(&WINDOWED, &plan);
+        // Lights are added in the order of their numbers either way, and those left out add
+        // exactly zero: no bit differs, not even in the order of a sum.
+        assert!(bits(&culled.colors) == bits(&all.colors), "{text}");
+        let after = plan.evaluations();
+        println!(
+            "{text}: {:.1} times fewer, {:.2} times those in range",
+            plan.savings.before as f64 / after as f64,
+            after as f64 / reached as f64
+        );
+        assert_eq!(plan.savings.before, 1024 * fragments);
+        assert!(20 * after <= plan.savings.before, "{text}: {after}");
+        assert!(2 * after <= 3 * reached, "{text}: {after} of {reached}");
+        assert_eq!(culled.tally.trips, after);
+        assert!(matches!(plan.savings.steps[0].error, Claim::Exact(_)));
+    }
+}
+
+#[test]
+fn published_form_gives_the_same_bits_by_tiles_too() {
+    let lit = windowed(7, [160, 90]);
+    let surfaces = surfaces(&lit.frame, &lit.upload, &WINDOWED, 0.0);
+    let plan = lit.plan(&WINDOWED, "tiles=16,always");
+    let culled: Shaded<Work> = execute(&plan, &lit.upload, &surfaces, &WINDOWED, Form::Seed);
+    let all = brute(&lit.upload, &lit.frame, &WINDOWED, Form::Seed);
+    assert!(bits(&culled.colors) == bits(&all.colors));
+    assert!(culled.tally.evaluations * 5 < all.tally.evaluations);
+}
+
+#[test]
+fn far_lights_on_planes_are_within_half_a_step_on_three_seeds() {
+    for seed in [42, 1, 7] {
+        let lit = many(seed, [320, 180]);
+        let plan = lit.plan(&DEFAULT, "interpolate=4");
+        every_fragment_is_in_one_draw(&plan, &lit.frame);
+        let found = lit.lit(&DEFAULT, &plan);
+        let all = lit.brute(&DEFAULT);
+        let measured = compare(&found.colors, &all.colors);
+        let times = plan.savings.before as f64 / plan.savings.after as f64;
+        println!("seed {seed}: {times:.1} times fewer, {:.3} steps", measured.steps);
+        assert!(times >= 5.0, "{times}");
+        assert!(measured.steps <= 0.5, "{measured:?}");
+        // What the plan says of itself is what it is.
+        assert_eq!(plan.savings.steps[0].error, Claim::Measured(measured));
+        assert_eq!(found.tally.trips, plan.savings.after);
+        // And against the reference in `f64`, at some fragments.
+        let mut most = 0f64;
+        for (fragment, color) in lit.frame.fragments.iter().zip(&found.colors).step_by(199) {
+            most = most.max((color.as_dvec3() - truth(&lit, fragment)).abs().max_element() / STEP);
+        }
+        assert!(most <= 0.5, "{most}");
+    }
+}
+
+fn truth(lit: &Lit, fragment: &Fragment) -> DVec3 {
+    let texels = texels(&lit.upload.materials[fragment.material as usize], fragment.uv);
+    let model = reference::Model::default();
+    reference::shade(&model, &lit.upload, fragment, &texels).expect("nothing undefined").total
+}
+
+#[test]
+fn a_budget_is_kept_on_every_fragment_and_saves_little() {
+    let lit = many(42, [96, 54]);
+    let plan = lit.plan(&DEFAULT, "budget=0.5,always");
+    every_fragment_is_in_one_draw(&plan, &lit.frame);
+    let Claim::Proven { steps, .. } = plan.savings.steps[0].error else {
+        panic!("{:?}", plan.savings.steps)
+    };
+    assert!(steps > 0.25 && steps <= 0.5, "{steps}");
+    let model = reference::Model::default();
+    let mut most = 0f64;
+    for draw in &plan.draws {
+        // Every tile, its first fragment: what the lights left out give there, in `f64`.
+        let number = draw.fragments[0];
+        let fragment = &lit.frame.fragments[number as usize];
+        let texels = texels(&lit.upload.materials[fragment.material as usize], fragment.uv);
+        let seen = reference::see(&model, &lit.upload, fragment, &texels).expect("defined");
+        let left_out = (0..1024).filter(|n| draw.lights.point.binary_search(n).is_err());
+        let lost: DVec3 = left_out
+            .map(|n| seen.light(reference::LightId::Point(n as usize)).expect("defined").total())
+            .sum();
+        assert!(lost.cmpge(DVec3::ZERO).all());
+        most = most.max(lost.max_element() / STEP);
+    }
+    let times = plan.savings.before as f64 / plan.savings.after as f64;
+    println!("{times:.3} times fewer, {most:.3} of {steps:.3} steps lost");
+    assert!(most <= steps, "{most} {steps}");
+    // Dropping cannot save much where no light ends; a plan that claims more is wrong.
+    assert!(times > 1.0 && times < 1.5, "{times}");
+    // A target of sRGB codes is nearly 13 times as strict near black.
+    let strict = lit.plan(&DEFAULT, "budget-srgb=0.5,always");
+    assert!(strict.evaluations() > plan.evaluations());
+    let Claim::Proven { steps, .. } = strict.savings.steps[0].error else { panic!() };
+    assert!(steps <= 0.5 / 12.92);
+}
+
+#[test]
+fn range_cut_offs_say_what_they_measured() {
+    let lit = many(42, [160, 90]);
+    let plan = lit.plan(&DEFAULT, "cut=5/256,always");
+    let Claim::Measured(said) = plan.savings.steps[0].error else { panic!() };
+    let found = compare(&lit.lit(&DEFAULT, &plan).colors, &lit.brute(&DEFAULT).colors);
+    assert_eq!(said, found);
+    // Every light is below 5 steps where it is cut; together they are far more.
+    assert!(said.steps > 20.0, "{said:?}");
+    assert_eq!(said.every, 1);
+}
+
+#[test]
+fn two_of_128_slots_are_lit_by_64_times_fewer_evaluations_and_the_same_bits() {
+    let lit = Lit::of(read("two_of_128.json", 0, [200, 150]));
+    let array = reference::Model::of(reference::Family::Array);
+    let model = Model::of(&array).expect("known");
+    let plan = lit.plan(&model, "used,slots=128x128x0");
+    assert_eq!(plan.savings.before, 64 * plan.savings.after);
+    assert_eq!((plan.compiled.directional, plan.compiled.point, plan.compiled.spot), (2, 2, 0));
+    let eye = lit.upload.camera.as_vec3();
+    let surfaces = surfaces(&lit.frame, &lit.upload, &model, 0.0);
+    let two = Lights::new(&lit.upload, &model);
+    for form in [Form::Seed, ROBUST] {
+        let planned: Shaded<Work> = execute(&plan, &lit.upload, &surfaces, &model, form);
+        let exact: Shaded<Work> = shade_all(&surfaces, eye, &two, &model, form);
+        assert!(bits(&planned.colors) == bits(&exact.colors), "{form:?}");
+        // The loop over every slot: 64 times the trips, and no number anywhere.
+        let slots = two.clone().padded([128, 128, 0]);
+        let naive: Shaded<Work> = shade_all(&surfaces, eye, &slots, &model, form);
+        assert_eq!(naive.tally.trips, 64 * planned.tally.trips);
+        assert!(naive.colors.iter().all(|color| color.is_nan()), "{form:?}");
+        assert!(planned.colors.iter().all(|color| color.is_finite()));
+    }
+    // The array sized to the scene.
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/light_arrays/point_lights_330.frag");
+    let text = std::fs::read_to_string(path).expect("a shader of ours");
+    let settings = plan.compiled.settings(&text);
+    let names: Vec<(String, String)> =
+        settings.iter().map(|s| (s.name.clone(), s.text())).collect();
+    assert_eq!(names, [("POINT_LIGHT_MAX_NUM".to_string(), "2".to_string())]);
+    let mut options = landfall_layout::Options::default();
+    let source = landfall_layout::Source::new("point_lights_330.frag", text);
+    let size = |options: &landfall_layout::Options| {
+        let layouts = landfall_layout::layout(&source, options);
+        let block = layouts.blocks.iter().find(|b| b.name.contains("PointLight")).cloned();
+        block.expect("there is one").size
+    };
+    // 48 bytes a light and the count: 128 of them, then 2.
+    let whole = size(&options);
+    options.read.defines = names;
+    assert_eq!((whole, size(&options)), (Some(128 * 48 + 16), Some(2 * 48 + 16)));
+}
+
+#[test]
+fn dark_lights_and_those_without_slot_are_left_out_and_named() {
+    let mut lit = many(42, [64, 36]);
+    for (number, light) in lit.upload.lights.point.iter_mut().enumerate() {
+        if number % 4 == 3 {
+            light.emission.diffuse = DVec3::ZERO;
+            light.emission.specular = DVec3::ZERO;
+        }
+    }
+    let plan = lit.plan(&DEFAULT, "used,slots=1000");
+    let lights = &plan.draws[0].lights;
+    assert_eq!(lights.point.len(), 750);
+    assert!(lights.point.iter().all(|n| n % 4 != 3 && *n < 1000));
+    assert!(plan.savings.notes[0].contains("the last 24 are left out"), "{:?}", plan.savings.notes);
+    // Left out, they change no bit.
+    lit.upload.lights.point.truncate(1000);
+    let (some, all) = (lit.lit(&DEFAULT, &plan), lit.brute(&DEFAULT));
+    assert!(bits(&some.colors) == bits(&all.colors));
+}
+
+#[test]
+fn lists_are_not_made_where_they_cost_more_than_they_save() {
+    let lit = Lit::of(read("six_lights.json", 0, [400, 300]));
+    let plan = lit.plan(&DEFAULT, "used,tiles");
+    assert_eq!(plan.draws.len(), 1);
+    assert_eq!(plan.savings.steps[1].error, Claim::Unused);
+    assert!(plan.savings.steps[1].did.contains("not applied"), "{:?}", plan.savings.steps);
+    let forced = lit.plan(&DEFAULT, "used,tiles,always");
+    assert!(forced.draws.len() > 1 && forced.evaluations() < plan.evaluations());
+    assert!(bits(&lit.lit(&DEFAULT, &forced).colors) == bits(&lit.brute(&DEFAULT).colors));
+    // 1,024 lights are worth it.
+    assert!(windowed(42, [160, 90]).plan(&WINDOWED, "tiles").draws.len() > 1);
+}
+
+#[test]
+fn gates_count_what_they_leave_out() {
+    let lit = Lit::of(read("six_lights.json", 0, [400, 300]));
+    let plan = lit.plan(&DEFAULT, "gates");
+    assert!(matches!(plan.savings.steps[0].error, Claim::Exact(_)));
+    let near = lit.plan(&DEFAULT, "gates=1/64");
+    let Claim::Measured(Measured { steps, .. }) = near.savings.steps[0].error else { panic!() };
+    // Six powers below 1/64 of a step, a specular colour of at most 1 each.
+    assert!(steps > 0.0 && steps <= 6.0 / 64.0, "{steps}");
+    let surfaces = |least: f64| surfaces(&lit.frame, &lit.upload, &DEFAULT, least);
+    let work = |least: f64, gates: Gates| -> Shaded<Work> {
+        execute(&plan, &lit.upload, &surfaces(least), &DEFAULT, Form::Robust(gates))
+    };
+    let [open, exact, tiny] =
+        [work(0.0, Gates::NONE), work(0.0, Gates::ALL), work(STEP / 64.0, Gates::ALL)];
+    assert!(bits(&open.colors) == bits(&exact.colors));
+    let [a, b, c] = [open.tally, exact.tally, tiny.tally];
+    assert_eq!(a.powers, a.trips);
+    assert!(b.evaluations < a.evaluations && b.attenuations < a.attenuations);
+    assert!(b.powers < a.powers && c.powers < b.powers);
+}
+
+#[test]
+fn lights_without_a_bound_are_never_left_out() {
+    let mut lit = windowed(42, [64, 36]);
+    lit.upload.lights.point[5].attenuation.linear = -0.1;
+    lit.upload.lights.point[9].emission.diffuse.y = -0.5;
+    lit.upload.lights.point[11].attenuation.quadratic = f64::NAN;
+    for text in ["tiles,always", "budget=0.5,always", "clusters=4x4x4,always"] {
+        let plan = lit.plan(&WINDOWED, text);
+        let holds = |n: u32| plan.draws.iter().all(|draw| draw.lights.point.contains(&n));
+        assert!(holds(5) && holds(9) && holds(11) && !holds(6), "{text}");
+        assert_eq!(plan.savings.notes.len(), 3, "{:?}", plan.savings.notes);
+        assert!(plan.savings.notes[0].starts_with("point light 5 has an attenuation"));
+        assert!(plan.savings.notes[1].starts_with("point light 9 has a colour"));
+    }
+}
+
+#[test]
+fn spots_are_left_out_of_tiles_their_cones_do_not_touch() {
+    let mut scene = read("lights_1024.json", 3, [320, 180]);
+    let lamps: Vec<PointLight> = scene.lights.point.drain(..).take(200).collect();
+    let spot = |(number, lamp): (usize, PointLight)| {
+        let angle = number as f64;
+        let direction = DVec3::new(angle.cos(), -1.0, angle.sin()).normalize();
+        let outer = [2.0, 15.0, 40.0, 100.0][number % 4];
+        let [inner_cos, outer_cos] = [0.8 * outer, outer].map(|a: f64| a.to_radians().cos());
+        SpotLight { lamp, direction, cone: Cone { inner_cos, outer_cos, degrees: None } }
+    };
+    scene.lights.spot = lamps.into_iter().enumerate().map(spot).collect();
+    let lit = Lit::of(scene);
+    let plan = lit.plan(&DEFAULT, "tiles=8,always");
+    let (some, all) = (lit.lit(&DEFAULT, &plan), lit.brute(&DEFAULT));
+    assert!(bits(&some.colors) == bits(&all.colors));
+    let inside = all.tally.evaluations;
+    println!("{} of {} spots, {inside} inside", plan.evaluations(), plan.savings.before);
+    // Not far above those whose cone the fragment is in.
+    assert!(plan.evaluations() < 2 * inside && 2 * plan.evaluations() < plan.savings.before);
+}
+
+#[test]
+fn lists_of_tiles_as_buffers_are_those_of_the_draws() {
+    let lit = windowed(42, [170, 91]);
+    let plan = lit.plan(&WINDOWED, "tiles=16,always");
+    let tiles = plan.tiles.as_ref().expect("divided in tiles");
+    assert_eq!((tiles.columns, tiles.rows), (11, 6));
+    assert_eq!(tiles.tiles.len(), 66);
+    for draw in &plan.draws {
+        for number in &draw.fragments {
+            let pixel = lit.frame.fragments[*number as usize].pixel;
+            let [x, y] = [pixel % 170 / 16, pixel / 170 / 16];
+            let [first, count] = tiles.tiles[(y * 11 + x) as usize].map(|n| n as usize);
+            assert_eq!(tiles.indices[first..first + count], draw.lights.point);
+        }
+    }
+    assert!(lit.plan(&WINDOWED, "clusters,always").tiles.is_none());
+}
+
+#[test]
+fn curved_and_textured_surfaces_are_not_interpolated() {
+    let mut scene = read("lights_1024.json", 5, [96, 54]);
+    scene.lights.point.truncate(200);
+    let ball = scene::Object {
+        mesh: scene::sphere(24, 16),
+        material: 0,
+        transform: DMat4::from_translation(DVec3::new(0.0, 8.0, 30.0))
+            * DMat4::from_scale(DVec3::splat(12.0)),
+    };
+    scene.objects = vec![ball];
+    let lit = Lit::of(scene.clone());
+    assert!(lit.frame.fragments.len() > 300, "{}", lit.frame.fragments.len());
+    let exact = |lit: &Lit| {
+        let plan = lit.plan(&DEFAULT, "interpolate=4,always");
+        assert!(plan.grids.is_empty(), "{}", plan.grids.len());
+        every_fragment_is_in_one_draw(&plan, &lit.frame);
+        assert!(bits(&lit.lit(&DEFAULT, &plan).colors) == bits(&lit.brute(&DEFAULT).colors));
+    };
+    exact(&lit);
+    scene.objects = many(5, [96, 54]).scene.objects;
+    let checker =
+        scene::Texture { width: 2, height: 1, texels: vec![[9; 3], [200; 3]], srgb: false };
+    for material in &mut scene.materials {
+        material.diffuse = scene::Surface::Texture(checker.clone());
+    }
+    exact(&Lit::of(scene));
+}
+
+#[test]
+fn nothing_to_light_and_nothing_to_light_with_are_plans_too() {
+    let parts =
+        ["used,gates", "tiles,always", "clusters,always", "budget=1,always", "interpolate,always"];
+    let full = windowed(42, [32, 18]);
+    for text in parts {
+        let mut dark = windowed(42, [32, 18]);
+        dark.upload.lights = scene::Lights::default();
+        let plan = dark.plan(&WINDOWED, text);
+        every_fragment_is_in_one_draw(&plan, &dark.frame);
+        assert_eq!(plan.savings.after, 0);
+        assert!(dark.lit(&WINDOWED, &plan).colors.iter().all(|c| *c == Vec3::ZERO));
+        let empty =
+            Lit { frame: Frame::default(), upload: full.upload.clone(), scene: full.scene.clone() };
+        assert_eq!(empty.plan(&WINDOWED, text).savings.after, 0);
+        // Places that are no numbers: kept, with every light.
+        let mut broken = windowed(42, [32, 18]);
+        broken.frame.fragments[3].position[1] = f32::NAN;
+        broken.frame.fragments[7].position[0] = f32::INFINITY;
+        broken.frame.fragments[9].normal = [0.0; 3];
+        broken.frame.fragments[11].material = 99;
+        let plan = broken.plan(&WINDOWED, text);
+        every_fragment_is_in_one_draw(&plan, &broken.frame);
+    }
+}
+
+#[test]
+// One range of bytes is what is meant.
+#[allow(clippy::single_range_in_vec_init)]
+fn only_what_changed_is_uploaded_unless_all_is_cheaper() {
+    let source = landfall_layout::Source::new(
+        "lights.frag",
+        "struct PointLight { vec3 pos; vec3 color; float intensity; float constant; float linear; float quadratic; };
+         layout(std140) uniform PointLightBlock { PointLight data[128]; int actually_used_count; } lights;",
+    );
+    let block =
+        landfall_layout::layout(&source, &landfall_layout::Options::default()).blocks.remove(0);
+    let mut buffer = landfall_layout::Buffer::new(&block).expect("a fixed size");
+    buffer.clear_dirty();
+    assert_eq!(skip::choose(&buffer, 64).0, skip::Choice::Nothing);
+    let position = buffer.handle::<[f32; 3]>("data[].pos").expect("a vec3");
+    buffer.set_at(&position, [3], [1.0; 3]).expect("in range");
+    let (choice, upload) = skip::choose(&buffer, 64);
+    assert_eq!(choice, skip::Choice::Ranges(vec![144..156]));
+    assert_eq!((upload.bytes, upload.whole), (12, 6160));
+    // Every light moved: 128 calls of 12 bytes, or ranges run together, or all at once.
+    for light in 0..128 {
+        buffer.set_at(&position, [light], [2.0; 3]).expect("in range");
+    }
+    assert_eq!(
+        skip::choose(&buffer, 0).0,
+        skip::Choice::Ranges((0..128).map(|i| 48 * i..48 * i + 12).collect())
+    );
+    // Apart from the last light's other members and the count, all of it in one call either way.
+    assert_eq!(skip::choose(&buffer, 64).0, skip::Choice::Ranges(vec![0..6108]));
+    buffer.mark_all();
+    assert_eq!(skip::choose(&buffer, 64).0, skip::Choice::Whole);
+}
+
+#[test]
+fn a_plan_is_told_in_lines_and_in_json_by_its_schema() {
+    let lit = windowed(42, [96, 54]);
+    let schema = serde_json::from_str(landfall::report::plan::PLAN_SCHEMA).expect("JSON");
+    jsonschema::meta::validate(&schema).expect("a schema");
+    let validator = jsonschema::validator_for(&schema).expect("a schema");
+    for text in [
+        "used,tiles,always,gates",
+        "budget=0.5,always",
+        "interpolate=4,always,gates=1/8",
+        "cut=5/256",
+        "tiles",
+        "used,slots=3",
+    ] {
+        let plan = lit.plan(&WINDOWED, text);
+        let json = landfall::report::plan::json(&plan);
+        let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
+        assert!(errors.is_empty(), "{text}: {errors:?}\n{json}");
+        assert_eq!(value["evaluations"]["after"], plan.savings.after);
+        let lines = landfall::report::plan::text(&plan, landfall_layout::format::Paint::Plain);
+        println!("{lines}");
+        assert!(lines.ends_with('\n') && lines.starts_with("plan  "));
+        assert_eq!(
+            lines.matches("measured, not proven").count(),
+            json.matches("\"measured\"").count()
+        );
+    }
+}
+
+#[test]
+fn an_exact_attenuation_with_a_window_reaches_exactly_its_radius() {
+    let lit = many(42, [32, 18]);
+    let upload = skip::radius::windowed(&lit.upload, &DEFAULT, 5.0 / 256.0);
+    for light in &upload.lights.point {
+        let Attenuation { constant, linear, quadratic, range } = light.attenuation;
+        let d = range.expect("it has one now");
+        let Emission { ambient, diffuse, specular, .. } = light.emission;
+        let k = ambient.max_element() + diffuse.max_element() + specular.max_element();
+        let left = k / (constant + d * (linear + d * quadratic));
+        assert!(left <= 5.0 / 256.0 && left > 5.0 / 256.0 * (1.0 - 1e-5), "{left}");
+        assert_eq!(d, f64::from(d as f32));
+    }
+    let _ = Options::default();
+}

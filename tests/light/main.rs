@@ -1,0 +1,18 @@
+//! Tests of scenes, pictures, stress and bench.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bind;
+mod hazards;
+mod light_bound;
+mod light_forms;
+mod light_plan;
+mod light_planned;
+mod picture;
+mod plot;
+mod reference;
+mod render;
+mod scene;
+mod stress;
+mod stress_readers;

@@ -1,0 +1,237 @@
+//! Scenes lit by our shaders on every reader, held against the reference.
+
+use std::path::Path;
+use std::time::Duration;
+
+use landfall_exec::backend::Reader;
+use landfall_exec::backend::gl::Gl;
+use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::interp::Cpu;
+use landfall_layout::{Options, Source};
+use landfall_light::bind::{Excess, Lit};
+use landfall_light::picture::compare::{Compare, compare};
+use landfall_light::picture::{Comparison, Transfer};
+use landfall_light::reference::{Model, Window};
+use landfall_light::render::truth::{Truth, likely, nearest, truth};
+use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer, Work};
+use landfall_light::scene::read_file;
+use landfall_light::{Frame, FrameOptions, Scene, Upload};
+
+fn readers() -> Vec<Box<dyn Reader>> {
+    let gl = Gl::open().unwrap_or_else(|failure| panic!("{failure}"));
+    let gpu = Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    vec![Box::new(Cpu::default()), Box::new(gl), Box::new(gpu)]
+}
+
+fn scene(name: &str, size: [u32; 2]) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes").join(name);
+    let reading = read_file(path).unwrap_or_else(|error| panic!("{error}"));
+    let mut scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
+    scene.size = size;
+    scene
+}
+
+fn renderer(shader: &str) -> Renderer {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").join(shader);
+    let source = Source::read(path).unwrap_or_else(|error| panic!("{error}"));
+    Renderer::new(&source, &RenderOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+struct Made {
+    scene: Scene,
+    upload: Upload,
+    frame: Frame,
+}
+
+impl Made {
+    fn new(name: &str, size: [u32; 2]) -> Made {
+        let scene = scene(name, size);
+        let frame = Frame::new(&scene, &FrameOptions::default());
+        Made { upload: Upload::new(&scene), scene, frame }
+    }
+
+    fn work(&self) -> Work<'_> {
+        Work {
+            upload: &self.upload,
+            frame: &self.frame,
+            background: self.scene.background,
+            limit: Duration::from_secs(600),
+        }
+    }
+
+    fn render(&self, renderer: &Renderer, reader: &mut dyn Reader) -> Rendered {
+        let lights = renderer.lights(&self.upload, Excess::Refuse);
+        let [directional, point, spot] = lights.unwrap_or_else(|error| panic!("{error}"));
+        let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
+        let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+        let rendered = renderer.render(reader, &self.work(), &draws, &mut |_, _| {});
+        rendered.unwrap_or_else(|error| panic!("{}: {error}", reader.device().reader))
+    }
+
+    fn truth(&self, model: &Model) -> Truth {
+        truth(model, &self.upload, &self.frame, self.scene.background)
+    }
+}
+
+fn held(rendered: &Rendered, truth: &Truth) -> Comparison {
+    let leave_out = Some(&truth.leave_out[..]);
+    let options = Compare { transfer: Transfer::Linear, leave_out };
+    compare(&truth.picture, &rendered.picture, &options).expect("they are of one size")
+}
+
+/// The reader that takes a shader: OpenGL takes no WGSL.
+fn takes(reader: &dyn Reader, shader: &str) -> bool {
+    reader.device().reader != "gl" || !shader.ends_with("wgsl")
+}
+
+#[test]
+fn six_lights_are_the_reference_to_a_step_on_every_reader() {
+    let made = Made::new("six_lights.json", [400, 300]);
+    let mut readers = readers();
+    for shader in ["phong_330.frag", "phong_450.frag", "phong.wgsl"] {
+        let renderer = renderer(&format!("six_lights/{shader}"));
+        for reader in &mut readers {
+            // The modules of both texts are held on the evaluator by the first.
+            let who = reader.device().reader;
+            if !takes(reader.as_ref(), shader) || (who == "cpu" && shader == "phong_450.frag") {
+                continue;
+            }
+            let rendered = made.render(&renderer, reader.as_mut());
+            let model = likely(&renderer.map);
+            let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
+            let held = held(&rendered, &made.truth(&model));
+            assert_eq!(rendered.picture.non_finite(), 0, "{shader} on {who}");
+            assert_eq!(held.left_out, 0, "{shader} on {who}: nothing is undefined");
+            assert!(held.codes.max <= 1, "{shader} on {who}: {:?}", held.codes);
+            // Of the channels that were lit: the background is the same in any case.
+            let flips: u64 = held.codes.counts[1..].iter().sum();
+            let part = flips as f64 / (3 * rendered.fragments) as f64;
+            assert!(part <= 5e-5, "{shader} on {who}: {:?}", held.codes);
+            assert!(held.linear.max <= 2e-3, "{shader} on {who}: {:?}", held.linear);
+            let lights = 6 * rendered.fragments;
+            assert_eq!(rendered.evaluations, lights, "{shader} on {who}");
+        }
+    }
+}
+
+#[test]
+fn every_scene_is_lit_as_its_reference_says() {
+    let mut readers = readers();
+    for (name, shaders, most) in [
+        (
+            "two_of_128.json",
+            &["light_arrays/all_lights_330.frag", "light_arrays/lights.wgsl"][..],
+            1,
+        ),
+        ("view_space.json", &["view_space/scene_330.frag", "view_space/scene.wgsl"], 1),
+        ("caster_directional.json", &["casters/directional_330.frag"], 1),
+        ("caster_point.json", &["casters/point_330.frag", "casters/point.wgsl"], 1),
+        ("caster_spot_soft.json", &["casters/spot_soft_330.frag"], 1),
+        ("caster_spot_hard.json", &["casters/spot_hard_330.frag", "casters/spot_hard.wgsl"], 1),
+    ] {
+        let made = Made::new(name, [160, 120]);
+        for shader in shaders {
+            let renderer = renderer(shader);
+            for reader in &mut readers {
+                let who = reader.device().reader;
+                if !takes(reader.as_ref(), shader) {
+                    continue;
+                }
+                let rendered = made.render(&renderer, reader.as_mut());
+                let model = likely(&renderer.map);
+                let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
+                let held = held(&rendered, &made.truth(&model));
+                assert!(held.codes.max <= most, "{shader} on {who}: {:?} {model:?}", held.codes);
+                assert_eq!(rendered.picture.non_finite(), 0, "{shader} on {who}");
+                let lit = rendered.picture.pixels.iter().flatten().any(|c| *c > 0.2 && *c < 1.0);
+                assert!(lit, "{shader} on {who} is black");
+            }
+        }
+    }
+}
+
+/// A shader may hold a range and cut lights off there, or window them: its picture tells.
+#[test]
+fn a_range_is_a_window_only_where_the_picture_has_one() {
+    let plain = include_str!("../../shaders/casters/point_330.frag");
+    let ranged =
+        plain.replace("    float quadratic;\n};", "    float quadratic;\n    float range;\n};");
+    let last = "    return lit * attenuation(";
+    let cut = "    if (d2 > light.range * light.range) return vec3(0.0);\n";
+    let window = "    float s = d2 / (light.range * light.range);\n    \
+                  lit *= pow(max(1.0 - s * s, 0.0), 2.0);\n";
+    let mut made = Made::new("caster_point.json", [80, 60]);
+    made.upload.lights.point[0].attenuation.range = Some(40.0);
+    for (added, wanted) in [(cut, Window::None), (window, Window::Quartic)] {
+        let text = ranged.replace(last, &format!("{added}{last}"));
+        assert_eq!(text.matches("light.range").count(), 2);
+        let source = Source::new("ranged.frag", text);
+        let renderer = Renderer::new(&source, &RenderOptions::default());
+        let renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
+        let rendered = made.render(&renderer, &mut Cpu::default());
+        let guess = likely(&renderer.map);
+        assert_eq!(guess.window, Window::Quartic, "the guess goes by the member");
+        let model = nearest(&guess, &made.upload, &made.frame, &rendered.picture);
+        assert_eq!(model.window, wanted, "{added}");
+        let held = held(&rendered, &made.truth(&model));
+        assert!(held.linear.max < 0.01, "{added}: {:?}", held.linear);
+    }
+}
+
+#[test]
+fn a_picture_of_several_draws_is_that_of_one() {
+    let made = Made::new("six_lights.json", [120, 90]);
+    let renderer = renderer("six_lights/phong_330.frag");
+    let all = Lit { ambient: true, directional: &[0], point: &[0, 1, 2, 3], spot: &[0] };
+    let (even, odd): (Vec<u32>, Vec<u32>) =
+        (0..made.frame.fragments.len() as u32).partition(|n| n % 2 == 0);
+    let dark = Lit { spot: &[], ..all };
+    let draws = [
+        Draw { fragments: &odd, lights: all, tiles: None },
+        Draw { fragments: &even, lights: dark, tiles: None },
+    ];
+    let mut cpu = Cpu::default();
+    let whole = made.render(&renderer, &mut cpu);
+    let mut done = 0;
+    let parts = renderer.render(&mut cpu, &made.work(), &draws, &mut |_: &mut Cpu, n| done += n);
+    let parts = parts.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(done, made.frame.fragments.len());
+    let at = |n: &u32| made.frame.fragments[*n as usize].pixel as usize;
+    let same = |n: &u32| whole.picture.pixels[at(n)] == parts.picture.pixels[at(n)];
+    assert!(odd.iter().all(same), "all lights give the same bits");
+    assert!(!even.iter().all(same), "without the flashlight something is darker");
+}
+
+#[test]
+fn a_shader_with_no_room_for_the_lights_refuses_the_scene() {
+    let made = Made::new("lights_1024.json", [16, 9]);
+    let renderer = renderer("light_arrays/all_lights_330.frag");
+    let error = renderer.lights(&made.upload, Excess::Refuse).expect_err("128 slots");
+    let message = error.to_string();
+    assert!(
+        message.contains("1024 point lights") && message.contains("slots for 128"),
+        "{message}"
+    );
+    let unlit = "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }";
+    let options = RenderOptions { layout: Options::default(), ..RenderOptions::default() };
+    let error = Renderer::new(&Source::new("unlit.frag", unlit), &options).expect_err("no lights");
+    assert!(matches!(error, RenderError::Bind(_)), "{error}");
+}
+
+#[test]
+fn a_thousand_lights_are_the_reference_whole_and_by_lists() {
+    let made = Made::new("lights_1024_windowed.json", [64, 36]);
+    let gpu = &mut Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    let mut pictures = Vec::new();
+    for shader in ["many_lights/windowed_450.frag", "many_lights/windowed_listed_450.frag"] {
+        let renderer = renderer(shader);
+        let rendered = made.render(&renderer, gpu);
+        let model = likely(&renderer.map);
+        let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
+        let held = held(&rendered, &made.truth(&model));
+        assert!(held.codes.max <= 1, "{shader}: {:?} {model:?}", held.codes);
+        pictures.push(rendered.picture);
+    }
+    assert!(pictures[0] == pictures[1], "one list of everything is no list");
+}

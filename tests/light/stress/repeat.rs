@@ -1,0 +1,99 @@
+//! A finding can be had again: the same numbers for a seed, and the command it prints.
+
+#[cfg(feature = "cli")]
+use std::process::Command;
+
+use landfall_layout::format as emit;
+use landfall_light::accuracy::stress::Outcome;
+
+use super::{request, run, shader};
+
+#[test]
+fn one_seed_gives_one_report() {
+    let path = "shaders/seed/caster_spot_soft_330.frag";
+    let mut request = request("cone");
+    request.samples = 8_000;
+    request.time = None;
+    let reports = [1, 1, 2].map(|seed| {
+        request.seed = seed;
+        let report = run(&shader(path), &request);
+        let found: Vec<_> = report
+            .findings
+            .iter()
+            .map(|found| (found.hazard.code, found.case.inputs.clone()))
+            .collect();
+        (report.total.samples, report.total.ulp.max, found)
+    });
+    assert_eq!(reports[0], reports[1]);
+    assert_ne!(reports[0].2, reports[2].2);
+}
+
+#[test]
+fn threads_change_nothing() {
+    let path = "shaders/seed/caster_spot_soft_330.frag";
+    let mut request = request("attenuation");
+    request.samples = 6_000;
+    request.time = None;
+    let found = [1, 2].map(|threads| {
+        request.threads = threads;
+        let report = run(&shader(path), &request);
+        let codes: Vec<_> = report.findings.iter().map(|found| found.hazard.code).collect();
+        codes
+    });
+    assert_eq!(found[0], found[1]);
+}
+
+#[test]
+#[cfg(feature = "cli")]
+fn the_command_of_a_finding_gives_the_same_bits() {
+    let path = "shaders/seed/six_lights_330.frag";
+    let mut request = request("CalcSpotLight");
+    request.samples = 20_000;
+    let report = run(&shader(path), &request);
+    assert!(report.findings.len() > 5);
+    for found in &report.findings {
+        let output = Command::new(env!("CARGO_BIN_EXE_landfall"))
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .args(&found.case.arguments)
+            .args(["--format", "json"])
+            .output()
+            .expect("the binary was built for this test");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{:?}: {said}", found.case.arguments);
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
+        let scalars = json["result"]["scalars"].as_array().expect("it has a result");
+        assert_eq!(scalars.len(), found.case.results.len());
+        for (scalar, result) in scalars.iter().zip(&found.case.results) {
+            let value = &scalar["value"];
+            let got = match value.as_str() {
+                Some(text) if text.contains("nan") => f32::NAN,
+                Some("inf") => f32::INFINITY,
+                Some("-inf") => f32::NEG_INFINITY,
+                _ => value.as_f64().expect("it is a number") as f32,
+            };
+            let same =
+                got.to_bits() == result.single.to_bits() || got.is_nan() && result.single.is_nan();
+            assert!(same, "{}: {got} is not {}", found.hazard.code, result.single);
+        }
+    }
+}
+
+#[test]
+fn what_is_found_is_written_for_people_programs_and_tools() {
+    let path = "shaders/seed/six_lights_330.frag";
+    let mut request = request("attenuation");
+    request.samples = 8_000;
+    let report = run(&shader(path), &request);
+    let text = landfall::report::stress::text(&report, emit::Paint::Plain);
+    assert!(text.contains("H3: a light whose attenuation was never set"), "{text}");
+    assert!(text.contains("landfall run shaders/seed/six_lights_330.frag --fn"), "{text}");
+    let sarif: serde_json::Value =
+        serde_json::from_str(&landfall::report::stress::sarif(&report)).expect("SARIF is JSON");
+    let results = sarif["runs"][0]["results"].as_array().expect("it has results");
+    assert!(results.iter().any(|result| result["ruleId"] == "attenuation-unset"));
+    let json: serde_json::Value =
+        serde_json::from_str(&landfall::report::stress::json(&report)).expect("it is JSON");
+    assert_eq!(json["findings"].as_array().map(Vec::len), Some(report.findings.len()));
+    let finite = report.findings.iter().any(|found| matches!(found.outcome, Outcome::Off(..)));
+    assert!(finite || report.has_non_finite());
+}

@@ -1,0 +1,120 @@
+//! Lints on waste, traps, mirrors and other readers: what each reports, where,
+//! with which numbers, and what it must leave alone.
+//!
+//! Every lint has a bad text and a good one that differs in nothing else.
+
+mod advice;
+mod driver;
+#[cfg(feature = "cli")]
+mod mirror;
+mod naga;
+mod reorder;
+#[cfg(feature = "cli")]
+use crate::support::rustc;
+mod used;
+mod variants;
+
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::{Options, Source, layout};
+use landfall_lint::{Check, Settings, Subject, lint};
+
+/// What a lint finds in one shader.
+fn found(code: &str, path: &str, text: &str) -> Vec<Finding> {
+    found_with(code, path, text, &Settings::default())
+}
+
+fn found_with(code: &str, path: &str, text: &str, settings: &Settings) -> Vec<Finding> {
+    let source = Source::new(path, text);
+    let options = Options { naga: true, ..Options::default() };
+    let shader = layout(&source, &options);
+    assert!(!shader.has_errors(), "{:#?}", shader.diagnostics);
+    let subject = Subject { source: &source, options: &options, shader: &shader };
+    match lint(code).expect("a lint of that code").check {
+        Check::Shader(check) => check(&subject, settings),
+        Check::Tree(check) => check(&[subject], settings),
+        Check::Hazard(_) | Check::Elsewhere => panic!("{code} is not asked like this"),
+    }
+}
+
+/// The one finding of a lint.
+fn one(code: &str, path: &str, text: &str) -> Finding {
+    let mut found = found(code, path, text);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    found.remove(0)
+}
+
+/// `line:column message`.
+fn said(finding: &Finding) -> String {
+    format!("{}:{} {}", finding.place.line, finding.place.column, finding.message)
+}
+
+fn help(finding: &Finding) -> &str {
+    finding.help.as_deref().unwrap_or("")
+}
+
+/// A std140 block of those members, the first of them on line 3.
+fn std140(members: &str) -> String {
+    format!("#version 330 core\nlayout(std140) uniform B {{\n{members}\n}};\nvoid main() {{}}\n")
+}
+
+/// The lints whose claims are here.
+const HERE: [&str; 12] = [
+    "array-stride-waste",
+    "bool-in-block",
+    "define-changes-layout",
+    "driver-disagrees",
+    "mat3-padding",
+    "naga-disagrees",
+    "reorder-saves",
+    "scalar-after-vec3",
+    "unused-block",
+    "unused-member",
+    "vec3-array",
+    #[cfg(feature = "cli")]
+    "rust-mirror",
+    #[cfg(not(feature = "cli"))]
+    "vec3-array",
+];
+
+#[test]
+fn every_lint_says_what_why_and_how_to_mend_it() {
+    for code in HERE {
+        let lint = lint(code).expect("it is listed");
+        for text in [lint.what, lint.why, lint.example, lint.fix] {
+            assert!(!text.is_empty(), "{code}");
+            assert!(!text.contains("  ") || text == lint.example, "{code}: {text}");
+        }
+    }
+}
+
+#[test]
+fn every_example_is_reported() {
+    for code in HERE {
+        let lint = lint(code).expect("it is listed");
+        let path = if lint.example.contains("@group") { "example.wgsl" } else { "example.vert" };
+        let mut settings = Settings::default();
+        settings.permutations.push(vec![("SHADOWS".to_string(), String::new())]);
+        match lint.check {
+            Check::Shader(_) => {
+                let found = found_with(code, path, lint.example, &settings);
+                assert!(!found.is_empty(), "{code}");
+                assert!(found.iter().all(|finding| finding.code == code), "{found:#?}");
+                assert!(found.iter().all(|finding| finding.help.is_some()), "{found:#?}");
+            }
+            // The two with more than a shader to look at have tests of their own.
+            Check::Tree(_) | Check::Hazard(_) | Check::Elsewhere => {}
+        }
+    }
+}
+
+#[test]
+fn advice_is_given_only_when_asked_for() {
+    for code in HERE {
+        let level = match code {
+            "rust-mirror" | "driver-disagrees" => Level::Deny,
+            "naga-disagrees" | "define-changes-layout" => Level::Warn,
+            _ => Level::Allow,
+        };
+        assert_eq!(lint(code).expect("it is listed").level, level, "{code}");
+    }
+}

@@ -1,0 +1,172 @@
+//! Waste and traps in a layout that is right: vec3 slots, padded columns, bools, strides.
+//!
+//! Numbers are computed by hand from OpenGL 4.6 §7.6.2.2 and WGSL §14.4.
+
+use crate::lints_b::{found, help, one, said, std140};
+
+#[test]
+fn a_scalar_in_a_vec3s_slot_is_reported_with_both_offsets() {
+    let finding = one("scalar-after-vec3", "a.frag", &std140("    vec3 color;\n    float gain;"));
+    assert_eq!(
+        said(&finding),
+        "4:11 `gain` is at 12, in the last 4 bytes of the 16 that `color` is aligned to: a copy \
+         whose `vec3` takes 16 bytes has it at 16"
+    );
+    assert_eq!((finding.related[0].place.line, finding.related[0].place.column), (3, 10));
+    assert_eq!(help(&finding), "in the copy, give `color` 12 bytes and let `gain` follow at once");
+    assert_eq!(finding.about, "B.gain");
+}
+
+#[test]
+fn a_scalar_that_a_copy_cannot_misplace_is_not_reported() {
+    for members in [
+        "    float gain;\n    vec3 color;",    // in front
+        "    vec3 color;\n    vec4 gain;",     // at 16 for everybody
+        "    vec4 color;\n    float gain;",    // no slot is left open
+        "    vec3 color[2];\n    float gain;", // an array's end is rounded: 32
+        "    mat3 color;\n    float gain;",
+    ] {
+        assert_eq!(found("scalar-after-vec3", "a.frag", &std140(members)), [], "{members}");
+    }
+}
+
+#[test]
+fn a_member_of_a_structure_is_reported_once_for_all_its_uses() {
+    let text = "#version 330 core
+struct Light { vec3 color; float gain; };
+layout(std140) uniform B { Light a; Light b[4]; };
+layout(std140) uniform C { Light c; };
+void main() {}
+";
+    let finding = one("scalar-after-vec3", "a.frag", text);
+    assert_eq!((finding.place.line, finding.about.as_str()), (2, "Light.gain"));
+}
+
+#[test]
+fn members_that_one_macro_declares_are_told_apart() {
+    let text = "#version 330 core
+#define LIGHT(n) vec3 n##Color; float n##Gain; vec3 n##Dir; float n##Angle;
+layout(std140) uniform B { LIGHT(sun) };
+void main() {}
+";
+    assert_eq!(found("scalar-after-vec3", "a.frag", text).len(), 2);
+}
+
+#[test]
+fn a_vec3_array_is_reported_with_both_distances() {
+    let finding = one("vec3-array", "a.frag", &std140("    vec3 samples[7];"));
+    assert_eq!(
+        said(&finding),
+        "3:10 elements of `samples` are 16 bytes apart: packed `vec3`s are 12 apart, and only the \
+         first lands"
+    );
+    assert!(
+        help(&finding).contains("declare `vec4 samples[7]`: 112 bytes as before"),
+        "{finding:?}"
+    );
+    assert_eq!(found("vec3-array", "a.frag", &std140("    vec4 samples[7];\n    vec3 one;")), []);
+}
+
+#[test]
+fn a_packed_vec3_array_under_scalar_rules_is_no_trap() {
+    let text = "#version 450
+#extension GL_EXT_scalar_block_layout : require
+layout(scalar, set = 0, binding = 0) buffer B { vec3 samples[7]; float after; };
+void main() {}
+";
+    assert_eq!(found("vec3-array", "a.comp", text), []);
+    assert_eq!(found("scalar-after-vec3", "a.comp", text), []);
+}
+
+#[test]
+fn an_array_of_vec3_in_wgsl_is_spelled_in_wgsl() {
+    let text = "@group(0) @binding(0) var<storage> samples: array<vec3f>;\n";
+    let finding = one("vec3-array", "a.wgsl", text);
+    assert!(
+        help(&finding).contains("declare `samples: array<vec4<f32>>`: 16 bytes an element"),
+        "{finding:?}"
+    );
+}
+
+#[test]
+fn a_padded_matrix_is_reported_with_both_sizes() {
+    let finding = one("mat3-padding", "a.frag", &std140("    mat3 normal;"));
+    assert_eq!(
+        said(&finding),
+        "3:10 `normal` is 3 columns of 12 bytes, 16 apart: 48 bytes, where a packed `mat3` is 36"
+    );
+    assert_eq!(help(&finding), "upload 4 components a column (`[[f32; 4]; 3]`)");
+    assert_eq!(found("mat3-padding", "a.frag", &std140("    mat4 normal;\n    mat3x4 three;")), []);
+}
+
+#[test]
+fn a_row_major_matrix_is_padded_by_rows() {
+    // Three columns of two rows, by rows: two vectors of three components.
+    let finding = one("mat3-padding", "a.frag", &std140("    layout(row_major) mat3x2 uv;"));
+    assert!(said(&finding).contains("is 2 rows of 12 bytes, 16 apart: 32 bytes"), "{finding:?}");
+}
+
+#[test]
+fn a_mat2_is_padded_in_std140_only() {
+    let block = |rules: &str| {
+        format!("#version 430 core\nlayout({rules}) buffer B {{ mat2 m; }};\nvoid main() {{}}\n")
+    };
+    let finding = one("mat3-padding", "a.comp", &block("std140"));
+    assert!(said(&finding).ends_with("32 bytes, where a packed `mat2` is 16"), "{finding:?}");
+    assert_eq!(found("mat3-padding", "a.comp", &block("std430")), []);
+}
+
+#[test]
+fn a_bool_is_reported_with_both_sizes() {
+    let found_here = found("bool-in-block", "a.frag", &std140("    bool on;\n    bvec3 mask[2];"));
+    let said: Vec<String> = found_here.iter().map(said).collect();
+    assert_eq!(
+        said,
+        [
+            "3:10 `on` is a `bool` of 4 bytes: on the CPU it is 1",
+            "4:11 `mask` is a `bvec3` of 12 bytes: on the CPU it is 3",
+        ]
+    );
+    assert!(help(&found_here[1]).contains("declare `uvec3 mask[2]`"));
+    assert_eq!(found("bool-in-block", "a.frag", &std140("    uint on;\n    uvec3 mask[2];")), []);
+}
+
+#[test]
+fn a_float_array_is_reported_with_the_packing_and_the_bytes_saved() {
+    let finding = one("array-stride-waste", "a.frag", &std140("    float w[64];"));
+    assert_eq!(said(&finding), "3:11 `w` is 1024 bytes: its elements are 4 bytes, 16 apart");
+    assert_eq!(
+        help(&finding),
+        "declare `vec4 w[16]` and read `w[i / 4][i % 4]`: 256 bytes, 768 saved"
+    );
+}
+
+#[test]
+fn packings_have_room_for_every_element() {
+    let cases = [
+        ("int n[5];", "declare `ivec4 n[2]` and read `n[i / 4][i % 4]`: 32 bytes, 48 saved"),
+        ("float w[4];", "declare `vec4 w` and read `w[i]`: 16 bytes, 48 saved"),
+        ("vec2 p[3];", "declare `vec4 p[2]` and read `p[i / 2].xy` or `.zw`: 32 bytes, 16 saved"),
+        (
+            "float f[2][9];",
+            "declare `vec4 f[2][3]` and read `f[i][j / 4][j % 4]`: 96 bytes, 192 saved",
+        ),
+        ("double d[4];", "declare `dvec2 d[2]` and read `d[i / 2][i % 2]`: 32 bytes, 32 saved"),
+    ];
+    for (member, wanted) in cases {
+        let text = std140(member).replace("330", "430");
+        assert_eq!(help(&one("array-stride-waste", "a.frag", &text)), wanted, "{member}");
+    }
+}
+
+#[test]
+fn arrays_that_waste_nothing_are_not_reported() {
+    for member in ["vec4 w[16];", "mat4 m[4];", "vec3 v[4];", "float one[1];", "float plain;"] {
+        assert_eq!(found("array-stride-waste", "a.frag", &std140(member)), [], "{member}");
+    }
+    let packed = "#version 430\nlayout(std430) buffer B { float w[64]; };\nvoid main() {}\n";
+    assert_eq!(found("array-stride-waste", "a.comp", packed), []);
+    // Where the driver decides, nobody knows what is wasted.
+    let shared = "#version 330\nuniform B { float w[64]; };\nvoid main() {}\n";
+    assert_eq!(found("array-stride-waste", "a.frag", shared), []);
+}

@@ -1,0 +1,96 @@
+//! Layouts that change under sets of macros.
+
+use landfall_lint::Settings;
+
+use crate::lints_b::{found_with, said};
+
+fn permutations(sets: &[&[(&str, &str)]]) -> Settings {
+    let owned = |set: &&[(&str, &str)]| {
+        set.iter().map(|(name, text)| (name.to_string(), text.to_string())).collect()
+    };
+    Settings { permutations: sets.iter().map(owned).collect(), ..Settings::default() }
+}
+
+fn text(members: &str) -> String {
+    format!(
+        "#version 330 core\nlayout(std140) uniform Light {{\n{members}\n}} light;\nvoid main() {{}}\n"
+    )
+}
+
+#[test]
+fn the_first_difference_is_named_with_the_permutation_and_both_numbers() {
+    let settings = permutations(&[&[("SHADOWS", "1")]]);
+    let bad = text("    vec3 color;\n#ifdef SHADOWS\n    mat4 shadow;\n#endif\n    float gain;");
+    let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
+    assert_eq!(
+        found.iter().map(said).collect::<Vec<_>>(),
+        ["7:11 block `Light` is laid out otherwise under `SHADOWS`: `gain` is at 80 instead of 12"]
+    );
+    assert!(found[0].notes[0].starts_with("without `SHADOWS` the block is 16 bytes"), "{found:?}");
+    assert!(found[0].listing.as_deref().is_some_and(|text| text.contains("mat4 shadow")));
+}
+
+#[test]
+fn macros_that_do_not_reach_a_layout_are_no_finding() {
+    let settings = permutations(&[&[("SHADOWS", "1")], &[("UNHEARD_OF", "1")]]);
+    let good = text("    vec3 color;\n    float gain;").replace(
+        "void main() {}",
+        "#ifdef SHADOWS\nuniform Map { float bias; };\n#endif\nvoid main() {}",
+    );
+    assert_eq!(found_with("define-changes-layout", "a.frag", &good, &settings), []);
+}
+
+#[test]
+fn an_array_that_grows_is_found_where_it_stands() {
+    let settings = permutations(&[&[("LIGHTS", "8")]]);
+    let bad = "#version 330 core\n#define LIGHTS 4\nlayout(std140) uniform B { vec4 at[LIGHTS]; };\nvoid main() {}\n";
+    let found = found_with("define-changes-layout", "a.frag", bad, &settings);
+    assert_eq!(
+        found.iter().map(said).collect::<Vec<_>>(),
+        [
+            "3:33 block `B` is laid out otherwise under `LIGHTS=8`: `at[]` has 8 elements instead of 4"
+        ]
+    );
+    let same = permutations(&[&[("LIGHTS", "4")]]);
+    assert_eq!(found_with("define-changes-layout", "a.frag", bad, &same), []);
+}
+
+#[test]
+fn an_appended_member_is_a_change_too() {
+    let settings = permutations(&[&[("FOG", "")]]);
+    let bad = text("    vec4 color;\n#ifdef FOG\n    float fog;\n#endif");
+    let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
+    assert_eq!(
+        found.iter().map(said).collect::<Vec<_>>(),
+        ["2:24 block `Light` is laid out otherwise under `FOG`: `fog` is added at 16"]
+    );
+}
+
+#[test]
+fn permutations_that_change_a_block_alike_share_a_finding() {
+    let settings = permutations(&[&[("FOG", "1")], &[("FOG", "1"), ("DEBUG", "1")]]);
+    let bad = text("    vec4 color;\n#ifdef FOG\n    float fog;\n#endif");
+    let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
+    assert_eq!(found.len(), 1);
+    assert!(found[0].notes.contains(&"under `FOG DEBUG=1` too".replace("=1", "")), "{found:#?}");
+}
+
+#[test]
+fn a_permutation_that_breaks_the_shader_is_said() {
+    let settings = permutations(&[&[("BROKEN", "1")]]);
+    let bad = text("    vec4 color;\n#ifdef BROKEN\n    Missing what;\n#endif");
+    let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].place.line, 5);
+    assert!(
+        found[0].message.starts_with("under `BROKEN` the shader cannot be laid out: "),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn loose_uniforms_have_no_layout_to_change() {
+    let settings = permutations(&[&[("FOG", "1")]]);
+    let text = "#version 330 core\nuniform vec4 color;\n#ifdef FOG\nuniform float fog;\n#endif\nvoid main() {}\n";
+    assert_eq!(found_with("define-changes-layout", "a.frag", text, &settings), []);
+}

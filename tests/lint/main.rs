@@ -1,0 +1,12 @@
+//! Tests of lints and their reports.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod corpus;
+mod digest;
+mod find_hazards;
+mod findings;
+mod fix;
+mod lints_a;
+mod lints_b;
