@@ -14,6 +14,26 @@ use crate::shape::{AddressSpace, ArrayLen, Majorness, Member, Rules, Struct, Typ
 use crate::source::{Files, Language, Span, Stage};
 use crate::text::json::{Node, Value};
 
+/// The keys of a block.
+const BLOCK_KEYS: &[&str] = &[
+    "name",
+    "instance",
+    "address_space",
+    "rules",
+    "rules_declared",
+    "group",
+    "binding",
+    "count",
+    "size",
+    "data_size",
+    "align",
+    "members",
+    "span",
+    "opaque",
+    "leaves",
+    "offsets",
+];
+
 /// Which of the two forms is read.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
@@ -98,30 +118,25 @@ impl Reader<'_> {
         self.place.list(node, key)?.iter().map(|item| self.place.number(item, key)).collect()
     }
 
+    /// How many buffers a block is: none of these for one alone.
+    fn count(&self, object: Object<'_>) -> Result<Vec<ArrayLen>, Error> {
+        Ok(match (object.get("count"), self.shape) {
+            (Some(node), shape) => match self.place.number(node, "count")? {
+                1 if shape == Shape::Layout => Vec::new(),
+                n => vec![ArrayLen::Fixed(u32::try_from(n).unwrap_or(u32::MAX))],
+            },
+            // Null is a number that the text does not say; without the key there is one buffer.
+            (None, _) if object.entries.iter().any(|(key, _, _)| key == "count") => {
+                vec![ArrayLen::Runtime]
+            }
+            (None, _) => Vec::new(),
+        })
+    }
+
     fn block(&self, node: &Node, language: Language) -> Result<BlockLayout, Error> {
         let place = &self.place;
         let object = place.object(node, "a block")?;
-        object.known(
-            place,
-            &[
-                "name",
-                "instance",
-                "address_space",
-                "rules",
-                "rules_declared",
-                "group",
-                "binding",
-                "count",
-                "size",
-                "data_size",
-                "align",
-                "members",
-                "span",
-                "opaque",
-                "leaves",
-                "offsets",
-            ],
-        )?;
+        object.known(place, BLOCK_KEYS)?;
         let name_node = self.required(object, "name")?;
         let spaces = [
             AddressSpace::Uniform,
@@ -144,17 +159,7 @@ impl Reader<'_> {
         let leaf_paths = leaf_nodes.map(|nodes| self.leaf_paths(nodes)).transpose()?;
         let within = Within { language, loose, leaves: leaf_paths.as_deref() };
         let members = self.members(members, &within, "")?;
-        let count = match (object.get("count"), self.shape) {
-            (Some(node), shape) => match place.number(node, "count")? {
-                1 if shape == Shape::Layout => Vec::new(),
-                n => vec![ArrayLen::Fixed(u32::try_from(n).unwrap_or(u32::MAX))],
-            },
-            // Null is a number that the text does not say; without the key there is one buffer.
-            (None, _) if object.entries.iter().any(|(key, _, _)| key == "count") => {
-                vec![ArrayLen::Runtime]
-            }
-            (None, _) => Vec::new(),
-        };
+        let count = self.count(object)?;
         let opaque = match object.get("opaque") {
             Some(node) => place.list(node, "opaque")?,
             None => &[],
