@@ -1,14 +1,15 @@
 //! The layout of one shader: its blocks, their members and leaves.
 //!
-//! Goes by [`place`](super::place); [`spelling`](crate::lock::spelling) gives types, and
+//! Goes by [`place`](crate::lock::place); [`spelling`](crate::lock::spelling) gives types, and
 //! [`check`](crate::lock::check) holds what was read against itself.
 
 use std::sync::Arc;
 
-use super::place::{Object, Place, WRITE_AGAIN};
 use crate::error::Error;
 use crate::layout;
 use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
+use crate::lock::check::Within;
+use crate::lock::place::{Object, Place, WRITE_AGAIN};
 use crate::lock::{Lock, Verified, check, spelling};
 use crate::shape::{AddressSpace, ArrayLen, Majorness, Member, Rules, Struct, Type};
 use crate::source::{Files, Language, Span, Stage};
@@ -385,15 +386,6 @@ impl Reader<'_> {
             version: text("version")?,
         })
     }
-}
-
-/// What is known of a block while its members are read.
-pub(in crate::lock) struct Within<'n> {
-    pub language: Language,
-    /// Loose uniforms have names and types, and no numbers.
-    pub loose: bool,
-    /// The paths of its leaves, where the JSON lists them.
-    leaves: Option<&'n [&'n str]>,
 }
 
 /// Whether one of those leaves has that path.
