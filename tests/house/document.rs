@@ -4,19 +4,23 @@
 //! imports others. `NAME` is `crates` for the crates, a crate's name for the modules at its top,
 //! or a module's path (`landfall-exec/harness`) for those below it. `*` stands for every module
 //! of the block that has no line of its own. A block `recursive` lists the files that may import
-//! each other in circles, as the rules of a grammar do: a folder, a colon, and its files.
+//! each other in circles, as the rules of a grammar do: a folder, a colon, and its files; one
+//! with files of its own below it is written with a `/`. A block
+//! `long` lists what may be longer than the rest: a file, a colon, and its functions, or `file`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use crate::graph::{Graph, below, circles, folders};
-use crate::tree::{Path, Tree};
+use crate::sizes::TooLong;
+use crate::tree::{Path, Tree, Unit};
 
 /// What the document shows.
 #[derive(Debug, Default)]
 pub struct Document {
     blocks: BTreeMap<String, BTreeMap<String, BTreeSet<String>>>,
     recursive: BTreeMap<String, BTreeSet<String>>,
+    long: BTreeMap<String, BTreeSet<String>>,
 }
 
 /// Reads the document's blocks.
@@ -33,6 +37,8 @@ pub fn read(text: &str) -> Result<Document, String> {
         } else if title.trim() == "recursive" {
             document.recursive =
                 body.iter().map(|line| row(line, ":")).collect::<Result<_, _>>()?;
+        } else if title.trim() == "long" {
+            document.long = body.iter().map(|line| row(line, ":")).collect::<Result<_, _>>()?;
         }
     }
     Ok(document)
@@ -46,6 +52,23 @@ fn row(line: &str, mark: &str) -> Result<(String, BTreeSet<String>), String> {
 }
 
 impl Document {
+    /// What is too long and not listed, and what is listed and not too long.
+    pub fn lengths(&self, sizes: &[TooLong]) -> Vec<String> {
+        let listed = |size: &&TooLong| {
+            self.long.get(&size.path).is_some_and(|names| names.contains(&size.name))
+        };
+        let mut found: Vec<String> =
+            sizes.iter().filter(|size| !listed(size)).map(TooLong::to_string).collect();
+        for (path, names) in &self.long {
+            for name in names {
+                if !sizes.iter().any(|size| size.path == *path && size.name == *name) {
+                    found.push(format!("{path}: `{name}` is listed as long, and is not"));
+                }
+            }
+        }
+        found
+    }
+
     /// The differences between the arrows shown and the imports.
     pub fn compare(&self, tree: &Tree) -> Vec<String> {
         let mut found = self.compare_crates(tree);
@@ -108,28 +131,17 @@ impl Document {
             let uses = unit.uses();
             for folder in folders(unit) {
                 let graph = below(&uses, &folder);
-                let place = [vec![name.clone()], folder.clone()].concat().join("/");
-                let is_file = |part: &String| {
-                    let path = [folder.clone(), vec![part.clone()]].concat();
-                    !unit
-                        .modules
-                        .keys()
-                        .any(|other| other.len() > path.len() && other.starts_with(&path))
-                };
-                if let Some(files) = self.recursive.get(&place) {
-                    let circles = circles(&graph);
-                    for file in files {
-                        if !circles.iter().any(|circle| circle.contains(file)) {
-                            found.push(format!(
-                                "{place}: `{file}` is shown as recursive, but is in no circle"
-                            ));
-                        } else if !is_file(file) {
-                            found.push(format!("{place}: `{file}` is a folder, not a file"));
-                        }
+                let place = place(name, &folder);
+                let known = in_circles(unit, &folder, &graph);
+                for file in self.recursive.get(&place).into_iter().flatten() {
+                    if !known.contains(file) {
+                        found.push(format!(
+                            "{place}: `{file}` is shown as recursive, but no such file is in a circle"
+                        ));
                     }
-                    seen.insert(place.clone());
                 }
                 found.extend(self.undeclared(&place, &graph));
+                seen.insert(place);
             }
         }
         for place in self.recursive.keys().filter(|place| !seen.contains(*place)) {
@@ -143,7 +155,10 @@ impl Document {
         let allowed = self.recursive.get(place);
         let mut found = Vec::new();
         for circle in circles(graph) {
-            if allowed.is_some_and(|allowed| circle.is_subset(allowed)) {
+            let is_allowed = |part: &String| {
+                allowed.is_some_and(|all| all.contains(part) || all.contains(&format!("{part}/")))
+            };
+            if circle.iter().all(is_allowed) {
                 continue;
             }
             let mut message = format!("{place}: a circle of imports");
@@ -156,6 +171,20 @@ impl Document {
         }
         found
     }
+}
+
+fn place(unit: &str, folder: &[String]) -> String {
+    [&[unit.to_string()], folder].concat().join("/")
+}
+
+/// The modules of a folder that are in circles; one that has modules below it ends in `/`.
+fn in_circles(unit: &Unit, folder: &[String], graph: &Graph) -> Vec<String> {
+    let spelled = |part: String| {
+        let path = [folder, std::slice::from_ref(&part)].concat();
+        let is_below = |other: &Path| other.len() > path.len() && other.starts_with(&path);
+        if unit.modules.keys().any(is_below) { part + "/" } else { part }
+    };
+    circles(graph).into_iter().flatten().map(spelled).collect()
 }
 
 fn arrows_of(graph: &Graph) -> impl Iterator<Item = (&String, &String, &String)> {
@@ -213,8 +242,8 @@ fn differences(
     found
 }
 
-/// The blocks of arrows as they would be for a tree.
-pub fn arrows(tree: &Tree) -> String {
+/// The blocks as they would be for a tree.
+pub fn blocks(tree: &Tree) -> String {
     let mut text = String::new();
     let mut block = |name: &str, graph: &Graph| {
         writeln!(text, "```arrows {name}").expect("a string grows");
@@ -225,8 +254,20 @@ pub fn arrows(tree: &Tree) -> String {
         writeln!(text, "```\n").expect("a string grows");
     };
     block("crates", &crate_graph(tree));
+    let mut recursive = String::new();
     for (name, unit) in &tree.units {
-        block(name, &below(&unit.uses(), &[]));
+        let uses = unit.uses();
+        for folder in folders(unit) {
+            let graph = below(&uses, &folder);
+            let place = place(name, &folder);
+            let circles = in_circles(unit, &folder, &graph);
+            if !circles.is_empty() {
+                writeln!(recursive, "{place}: {}", circles.join(", ")).expect("a string grows");
+            }
+            if folder.len() < 2 {
+                block(&place, &graph);
+            }
+        }
     }
-    text
+    format!("{text}```recursive\n{recursive}```\n")
 }

@@ -1,5 +1,7 @@
 //! The lengths of files and functions.
 
+use std::fmt;
+
 use crate::token::{Token, matching, tokens};
 use crate::tree::File;
 
@@ -8,19 +10,43 @@ pub const FILE: usize = 500;
 /// Lines of a function at most, from its `fn` to its closing brace.
 pub const FUNCTION: usize = 100;
 
+/// A file or function that is too long.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TooLong {
+    pub path: String,
+    /// The function's name; `file` for the whole file.
+    pub name: String,
+    pub line: usize,
+    pub lines: usize,
+    pub most: usize,
+}
+
+impl fmt::Display for TooLong {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let TooLong { path, name, line, lines, most } = self;
+        write!(f, "{path}:{line}: `{name}` has {lines} lines; {most} at most")
+    }
+}
+
 /// The files and functions that are too long.
-pub fn problems(files: &[File]) -> Vec<String> {
+pub fn too_long(files: &[File]) -> Vec<TooLong> {
     let mut found = Vec::new();
     for file in files.iter().filter(|file| file.path.ends_with(".rs")) {
-        let lines = file.text.lines().count();
-        if lines > FILE {
-            found.push(format!("{}: the file has {lines} lines; {FILE} at most", file.path));
-        }
-        for (name, line, lines) in functions(&tokens(&file.text)) {
-            if lines > FUNCTION {
-                let place = format!("{}:{line}", file.path);
-                found.push(format!("{place}: `{name}` has {lines} lines; {FUNCTION} at most"));
+        let path = &file.path;
+        let mut keep = |name: &str, line: usize, lines: usize, most: usize| {
+            if lines > most {
+                found.push(TooLong {
+                    path: path.clone(),
+                    name: name.to_string(),
+                    line,
+                    lines,
+                    most,
+                });
             }
+        };
+        keep("file", 1, file.text.lines().count(), FILE);
+        for (name, line, lines) in functions(&tokens(&file.text)) {
+            keep(name, line, lines, FUNCTION);
         }
     }
     found

@@ -143,19 +143,12 @@ impl<'m> Walk<'m> {
             }
             Expression::As { expr, .. } => {
                 let of = self.value(frame, *expr);
-                match self.graph.value(of) {
-                    Some(_) => of,
-                    None => self.graph.add(Op::Convert, &[of]),
-                }
+                let known = self.graph.value(of).is_some();
+                if known { of } else { self.graph.add(Op::Convert, &[of]) }
             }
             Expression::Relational { fun, argument } => {
                 let of = self.value(frame, *argument);
-                match fun {
-                    naga::RelationalFunction::All | naga::RelationalFunction::Any => {
-                        self.graph.add(Op::Convert, &[of])
-                    }
-                    _ => self.graph.opaque(&[of]),
-                }
+                self.relational(*fun, of)
             }
             Expression::ArrayLength(array) => {
                 let of = self.value(frame, *array);
@@ -210,6 +203,15 @@ impl<'m> Walk<'m> {
                 self.graph.add(Op::Math(M::Length), &[apart])
             }
             _ => self.graph.add(Op::Math(fun), args),
+        }
+    }
+
+    fn relational(&mut self, fun: naga::RelationalFunction, of: Id) -> Id {
+        match fun {
+            naga::RelationalFunction::All | naga::RelationalFunction::Any => {
+                self.graph.add(Op::Convert, &[of])
+            }
+            _ => self.graph.opaque(&[of]),
         }
     }
 
