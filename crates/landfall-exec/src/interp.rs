@@ -11,6 +11,7 @@
 //! result open, [`UndefinedKind`] lists what is noted.
 
 pub mod accuracy;
+mod body;
 mod call;
 mod code;
 mod compile;

@@ -5,6 +5,7 @@
 //! [`drift`] holds a shader against its lock. Files are the command's business.
 
 mod check;
+mod place;
 mod read;
 mod spelling;
 mod write;

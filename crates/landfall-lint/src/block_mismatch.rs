@@ -6,8 +6,9 @@ mod program;
 
 use std::collections::BTreeMap;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::{counted, is_declared, listing, may_be_vulkan, place};
-use super::{Check, Lint, Settings, Subject};
 use compare::{Difference, View, alike, collide, differences, is_head, shared, view};
 use landfall_layout::ShaderLayout;
 use landfall_layout::finding::{Finding, Level};

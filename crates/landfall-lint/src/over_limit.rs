@@ -1,8 +1,9 @@
 //! `over-limit`: blocks larger, or more of them, than every implementation of a target must take.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::settings::Target;
 use super::show::{bytes, counted, is_declared, listing, place};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 pub use landfall_layout::layout::measure::{elements, fixed};

@@ -176,7 +176,7 @@ pub fn find(
         fragment: source.stage.is_none_or(|stage| stage == Stage::Fragment),
         precise,
     };
-    crate::module::on_a_large_stack(|| Ok(walk::follow(&module, lights, setting)))
+    crate::stack::on_a_large_stack(|| Ok(walk::follow(&module, lights, setting)))
 }
 
 /// What holds for the shader as a whole.
