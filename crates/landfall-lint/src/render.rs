@@ -31,7 +31,7 @@ pub enum ReportFormat {
     Human,
     /// `path:line:col: level[code] message`, one line a finding.
     Short,
-    /// JSON as [`CHECK_SCHEMA`](super::CHECK_SCHEMA) describes it.
+    /// JSON as `landfall schema check` describes it.
     Json,
     /// Workflow commands that GitHub shows as annotations.
     Github,

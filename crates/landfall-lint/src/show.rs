@@ -1,6 +1,6 @@
 //! What several lints say or show alike: numbers of bytes, a block's listing, where a span is.
 //!
-//! Reads the [model](landfall_layout::layout) and [`emit`](landfall_layout::format); the lints use it.
+//! Reads the [model](landfall_layout::layout) and [`format`](landfall_layout::format); the lints use it.
 
 use landfall_layout::format as emit;
 use landfall_layout::format::{EmitOptions, Format};

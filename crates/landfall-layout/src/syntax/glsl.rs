@@ -1,8 +1,8 @@
 //! GLSL as people have it: desktop 1.10 to 4.60, ES 1.00 to 3.20, Vulkan flavour.
 //!
-//! [`lexer`] makes tokens of a file, [`preprocess`] (with [`directive`],
-//! [`include`], [`macros`]) makes one stream of a shader, [`declarations`]
-//! (with [`qualifiers`], [`members`], [`blocks`], [`constants`]) reads what has
+//! `lexer` makes tokens of a file, `preprocess` (with `directive`,
+//! `include`, `macros`) makes one stream of a shader, `declarations`
+//! (with `qualifiers`, `members`, `blocks`, `constants`) reads what has
 //! a layout from it. Function bodies are passed over.
 
 mod blocks;
