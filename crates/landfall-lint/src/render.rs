@@ -21,6 +21,7 @@ use rustc_hash::FxHashSet;
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level};
 pub use landfall_layout::format::paint::Paint;
+use landfall_layout::format::words::counted;
 
 pub use json::{REPORT_VERSION, ReadReport};
 
@@ -128,12 +129,6 @@ fn severity(level: Level) -> &'static str {
         Level::Warn => "warning",
         Level::Deny => "error",
     }
-}
-
-/// `1 error`, `2 errors`.
-fn counted(count: usize, noun: &str) -> String {
-    let s = if count == 1 { "" } else { "s" };
-    format!("{count} {noun}{s}")
 }
 
 /// `65 shaders: 2 errors, 1 warning`.
