@@ -1,6 +1,6 @@
 //! A shader as naga IR whose offsets, array strides and sizes are landfall's, validated.
 //!
-//! Made by [`lower`](super::lower) from GLSL of any version and from WGSL. Feeds the interpreter
+//! Made by `lower` from GLSL of any version and from WGSL. Feeds the interpreter
 //! and the drivers.
 
 use std::panic::{self, AssertUnwindSafe};

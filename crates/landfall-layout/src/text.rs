@@ -3,3 +3,4 @@
 pub mod edit_distance;
 pub mod json;
 pub mod locate;
+pub mod xml;

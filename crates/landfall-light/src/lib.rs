@@ -16,6 +16,7 @@ pub mod render;
 pub mod sample;
 pub mod scene;
 pub mod skip;
+mod splitmix64;
 pub mod upload;
 
 pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};

@@ -286,7 +286,7 @@ fn first(all: &[Difference]) -> String {
         [] => "they are laid out differently".to_string(),
         [only] => only.text.clone(),
         [first, rest @ ..] => {
-            format!("{}, and {}", first.text, counted(rest.len() as u64, "more difference"))
+            format!("{}, and {}", first.text, counted(rest.len(), "more difference"))
         }
     }
 }
@@ -297,8 +297,7 @@ fn with_differences(mut finding: Finding, all: &[Difference]) -> Finding {
         finding = finding.with_note(difference.text.clone());
     }
     if all.len() > 1 + MOST_NAMED {
-        finding =
-            finding.with_note(counted((all.len() - 1 - MOST_NAMED) as u64, "more difference"));
+        finding = finding.with_note(counted(all.len() - 1 - MOST_NAMED, "more difference"));
     }
     finding
 }

@@ -242,7 +242,7 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     let block = first_over?;
     let message = format!(
         "{stage} has {}, but {} guarantees only {limit}",
-        counted(count, &format!("{} block", space.name())),
+        counted(count as usize, &format!("{} block", space.name())),
         title(target),
     );
     let about = format!("{} blocks", space.name());

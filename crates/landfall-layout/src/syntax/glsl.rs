@@ -1,10 +1,10 @@
 //! GLSL as people have it: desktop 1.10 to 4.60, ES 1.00 to 3.20, Vulkan flavour.
 //!
-//! [`lexer`] makes tokens of a file, [`preprocess`] (with [`directive`],
-//! [`include`], [`macros`]) makes one stream of a shader, [`parser`] makes a
-//! syntax tree ([`ast`]) of that, and [`declarations`] (with [`members`],
-//! [`blocks`], [`constants`]) takes what has a layout from the tree.
-//! [`evaluate`] computes constant expressions. Function bodies are passed over,
+//! `lexer` makes tokens of a file, `preprocess` (with `directive`,
+//! `include`, `macros`) makes one stream of a shader, `parser` makes a
+//! syntax tree (`ast`) of that, and `declarations` (with `members`,
+//! `blocks`, `constants`) takes what has a layout from the tree.
+//! `evaluate` computes constant expressions. Function bodies are passed over,
 //! or parsed on demand.
 
 pub mod ast;

@@ -3,6 +3,8 @@
 //! What fails the run is a failure, a warning is a skipped case, and one case stands for all
 //! shaders, so that a clean run has something to show.
 
+use landfall_layout::text::xml::escaped;
+
 use super::{severity, short, stable};
 use landfall_layout::finding::{Finding, Level};
 
@@ -94,22 +96,4 @@ fn details(finding: &Finding) -> String {
     lines.extend(finding.listing.iter().map(|listing| listing.trim_end().to_string()));
     lines.extend(finding.help.iter().map(|help| format!("help: {help}")));
     lines.join("\n")
-}
-
-/// Text for an attribute or between tags, of characters XML 1.0 has (its production 2).
-fn escaped(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => result.push_str("&amp;"),
-            '<' => result.push_str("&lt;"),
-            '>' => result.push_str("&gt;"),
-            '"' => result.push_str("&quot;"),
-            // A reader turns them into spaces in an attribute, and \r into \n anywhere.
-            '\t' | '\n' | '\r' => result.push_str(&format!("&#{};", u32::from(c))),
-            '\0'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => result.push('\u{fffd}'),
-            c => result.push(c),
-        }
-    }
-    result
 }

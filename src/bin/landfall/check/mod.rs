@@ -17,6 +17,7 @@ mod verified;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use landfall_layout::format::words::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
 
@@ -116,7 +117,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let outcome = reports::write(&result, &args.formats, args.statistics, streams)?;
     if folder.is_some() {
-        let all = reports::counted(pass.checked.len(), "shader");
+        let all = counted(pass.checked.len(), "shader");
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
     }
     if args.fix {
@@ -128,7 +129,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 fn tell_of_locks(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
     if pass.accepted > 0 {
-        streams.notes(&format!("accepted {}\n", reports::counted(pass.accepted, "layout")));
+        streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
     }
     if basis.locks.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);
@@ -209,6 +210,6 @@ fn diff(
         streams.report(&landfall_lint::render::report(&failed, ReportFormat::Human, &options));
         return Ok(Outcome::CouldNot);
     }
-    streams.notes(&format!("{} would be mended\n", reports::counted(files.len(), "file")));
+    streams.notes(&format!("{} would be mended\n", counted(files.len(), "file")));
     Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
 }

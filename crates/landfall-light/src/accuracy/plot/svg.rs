@@ -2,6 +2,8 @@
 //!
 //! For the drawings beside it.
 
+use landfall_layout::text::xml::escaped;
+
 use std::fmt::Write as _;
 
 /// Height of a line of text.
@@ -133,20 +135,4 @@ pub fn width(text: &str) -> f64 {
         _ => 0.64,
     };
     text.chars().map(em).sum::<f64>() * TEXT
-}
-
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            // XML has no way to write these.
-            c if c.is_control() => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
 }
