@@ -23,6 +23,9 @@ pub use syntax_error::{Parsed, SyntaxError, Wanted};
 /// Longer shaders are not run: a text of so many tokens was made to exhaust memory.
 const MOST_TOKENS: usize = 1 << 20;
 
+/// So many tokens are kept before those of declarations that are done are forgotten.
+const ENOUGH: usize = 1 << 10;
+
 /// What becomes of the tokens of function bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bodies {
@@ -44,7 +47,7 @@ pub struct Parser<'a> {
     /// Diagnostics of a list of tokens; those of a preprocessor's tokens are with it.
     diagnostics: Vec<Diagnostic>,
     /// Where the declaration before this one began, for progress: token and macro definition.
-    position: Option<(Span, Option<Span>)>,
+    passed: Option<(Span, Option<Span>)>,
     /// Names of structures declared so far.
     structures: FxHashSet<&'a str>,
     /// Structures being read, one inside the other.
@@ -69,7 +72,9 @@ impl<'a> Parser<'a> {
     /// A parser of a shader at its first token.
     pub(super) fn new(mut preprocessor: Preprocessor<'a>, bodies: Bodies) -> Parser<'a> {
         let first = preprocessor.next();
-        let mut parser = Parser::over(vec![first]);
+        let mut tokens = Vec::with_capacity(ENOUGH / 2);
+        tokens.push(first);
+        let mut parser = Parser::over(tokens);
         parser.bodies = bodies;
         parser.preprocessor = Some(Box::new(preprocessor));
         parser
@@ -96,7 +101,7 @@ impl<'a> Parser<'a> {
             limit: usize::MAX,
             end,
             diagnostics: Vec::new(),
-            position: None,
+            passed: None,
             structures: FxHashSet::default(),
             open_structures: 0,
             direct: false,
@@ -108,6 +113,21 @@ impl<'a> Parser<'a> {
             statements: 0,
             qualifier_macros: FxHashSet::default(),
         }
+    }
+
+    /// A parser that takes those names for qualifiers: macros that are not expanded.
+    pub(crate) fn with_qualifier_macros(self, qualifier_macros: FxHashSet<&'a str>) -> Parser<'a> {
+        Parser { qualifier_macros, ..self }
+    }
+
+    /// The index of the token to be read next.
+    pub fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Drops the diagnostics so far.
+    pub(crate) fn forget_diagnostics(&mut self) {
+        self.diagnostics.clear();
     }
 
     /// The preprocessor behind the tokens.
@@ -140,7 +160,6 @@ impl<'a> Parser<'a> {
 
     /// Forgets the tokens of the declarations read so far.
     pub(super) fn forget(&mut self) {
-        const ENOUGH: usize = 1 << 10;
         if self.at > ENOUGH {
             self.tokens.drain(..self.at - 1);
             self.at = 1;
@@ -165,6 +184,9 @@ impl<'a> Parser<'a> {
 
     /// Reads tokens from the preprocessor up to that one. After the end come no more.
     fn load(&mut self, at: usize) {
+        if at < self.tokens.len() {
+            return;
+        }
         let Some(preprocessor) = &mut self.preprocessor else { return };
         while self.tokens.len() <= at {
             if self.tokens.last().is_some_and(|last| last.kind == Kind::End) {
@@ -258,7 +280,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The diagnostics so far.
-    pub(super) fn diagnostics(&self) -> &Vec<Diagnostic> {
+    pub(crate) fn diagnostics(&self) -> &Vec<Diagnostic> {
         match &self.preprocessor {
             Some(preprocessor) => &preprocessor.diagnostics,
             None => &self.diagnostics,

@@ -33,13 +33,13 @@ impl<'a> Parser<'a> {
     /// The next global declaration; `None` at the end. Syntax errors are reported.
     pub fn item(&mut self) -> Option<Item<'a>> {
         let here = (self.token().span, self.token().definition);
-        if self.position == Some(here) {
+        if self.passed == Some(here) {
             self.bump(); // a declaration always passes something, whatever it was
         }
         if self.token().kind == Kind::End {
             return None;
         }
-        self.position = Some((self.token().span, self.token().definition));
+        self.passed = Some((self.token().span, self.token().definition));
         self.has_precisions = self.is_es();
         Some(self.item_here())
     }
@@ -233,12 +233,8 @@ impl<'a> Parser<'a> {
         let parameter_tokens = open + 1..(self.at - 1).max(open + 1);
         let mut body_tokens = None;
         if self.is("{") {
-            let brace = *self.token();
             let first = self.at + 1;
-            if !self.skip_body() {
-                let message = format!("the body of `{}` is never closed", name.text);
-                self.report(diagnostic_at(&brace, "unclosed-brace", message));
-            }
+            self.pass_body(name.text);
             body_tokens = Some(first.min(self.at)..self.at.saturating_sub(1).max(first));
         } else {
             self.end_of_statement();
@@ -254,17 +250,22 @@ impl<'a> Parser<'a> {
         }))
     }
 
-    /// Passes a function body, its `{` the current token; says whether it is closed.
-    fn skip_body(&mut self) -> bool {
+    /// Passes the body of a function, its `{` the current token.
+    fn pass_body(&mut self, function: &str) {
         let open = *self.token();
-        if self.bodies == Bodies::Keep {
-            return self.skip_braces();
+        let closed = match self.bodies {
+            Bodies::Keep => self.skip_braces(),
+            Bodies::Skip => self.preprocessor().skip_body(&open),
+        };
+        if !closed {
+            let message = format!("the body of `{function}` is never closed");
+            self.report(diagnostic_at(&open, "unclosed-brace", message));
         }
-        let closed = self.preprocessor().skip_body(&open);
-        self.tokens.push(Token { text: "}", ..open });
-        self.bump();
-        self.bump();
-        closed
+        if self.bodies == Bodies::Skip {
+            self.tokens.push(Token { text: "}", ..open });
+            self.bump();
+            self.bump();
+        }
     }
 
     /// `struct [NAME] { … }`
@@ -370,7 +371,7 @@ impl<'a> Parser<'a> {
 
     /// `a, b[2] = …;`
     fn declarators(&mut self) -> Vec<Declarator<'a>> {
-        let mut declarators = Vec::new();
+        let mut declarators = Vec::with_capacity(1);
         loop {
             if self.token().kind != Kind::Name {
                 self.report_unexpected();
@@ -401,13 +402,14 @@ impl<'a> Parser<'a> {
             if !self.expect_or_report("]") {
                 break;
             }
+            dims.reserve_exact(1);
             dims.push(Dim { tokens, span, size });
         }
         dims
     }
 
     /// An expression up to one of `ends`: parsed where bodies are parsed, else passed over.
-    fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Expr<'a>>) {
+    fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Box<Expr<'a>>>) {
         let start = self.at;
         if !self.direct {
             self.skip_until(ends);
@@ -418,7 +420,7 @@ impl<'a> Parser<'a> {
         }
         let parsed = if ends == ["]"] { self.expression() } else { self.assignment() };
         let expr = parsed.map_err(|error| self.report(*error.diagnostic())).ok();
-        (start..self.at, expr)
+        (start..self.at, expr.map(Box::new))
     }
 
     /// `precision mediump float;`
@@ -500,31 +502,35 @@ impl<'a> Parser<'a> {
     }
 
     fn qualify(&mut self, qualifiers: &mut Qualifiers<'a>, word: &str) {
-        match word {
+        let storage = match word {
+            "flat" => return qualifiers.flat = true,
+            "noperspective" => return qualifiers.noperspective = true,
+            "centroid" => return qualifiers.centroid = true,
+            "sample" => return qualifiers.sample = true,
+            "patch" => return qualifiers.patch = true,
+            "lowp" | "mediump" | "highp" => return self.written = precision(word),
+            "readonly" => return qualifiers.readonly = true,
+            "writeonly" => return qualifiers.writeonly = true,
             "const" => {
                 qualifiers.constant = true;
-                if qualifiers.storage == Storage::Plain {
-                    qualifiers.storage = Storage::Const;
+                match qualifiers.storage {
+                    Storage::Plain => Storage::Const,
+                    other => other,
                 }
             }
-            "in" | "attribute" => qualifiers.storage = Storage::In,
-            "out" => qualifiers.storage = Storage::Out,
-            "inout" => qualifiers.storage = Storage::InOut,
-            "varying" => qualifiers.storage = self.varying,
-            "uniform" => qualifiers.storage = Storage::Uniform,
-            "buffer" => qualifiers.storage = Storage::Buffer,
-            "shared" => qualifiers.storage = Storage::Shared,
-            "flat" => qualifiers.flat = true,
-            "noperspective" => qualifiers.noperspective = true,
-            "centroid" => qualifiers.centroid = true,
-            "sample" => qualifiers.sample = true,
-            "patch" => qualifiers.patch = true,
-            "lowp" | "mediump" | "highp" => self.written = precision(word),
-            "readonly" => qualifiers.readonly = true,
-            "writeonly" => qualifiers.writeonly = true,
-            _ if OTHER_STORAGE.contains(&word) => qualifiers.storage = Storage::Foreign,
-            _ => {}
-        }
+            "uniform" => Storage::Uniform,
+            // Two storages are an error; that of a block counts.
+            _ if matches!(qualifiers.storage, Storage::Uniform | Storage::Buffer) => return,
+            "buffer" => Storage::Buffer,
+            "in" | "attribute" => Storage::In,
+            "out" => Storage::Out,
+            "inout" => Storage::InOut,
+            "varying" => self.varying,
+            "shared" => Storage::Shared,
+            _ if OTHER_STORAGE.contains(&word) => Storage::Foreign,
+            _ => return,
+        };
+        qualifiers.storage = storage;
     }
 
     /// Whether a qualifier stands here: in old versions some are names, as `sample` is.
