@@ -132,6 +132,21 @@ pub fn document(layouts: &ShaderLayout, options: &EmitOptions) -> String {
     text
 }
 
+/// Whether a text looks like a [`document`] about a file of that name, so that nothing else is
+/// lost when it is written anew.
+pub fn is_document(text: &str, format: Format, name: &str) -> bool {
+    let first = text.lines().next().unwrap_or_default();
+    match format {
+        Format::Json => crate::lock::is_lock(text),
+        Format::Csv => first.starts_with(CSV_START),
+        Format::Markdown => first.starts_with("# ") && first.contains(name),
+        Format::Table | Format::Listing => first.contains(name),
+    }
+}
+
+/// The first columns of a CSV document.
+const CSV_START: &str = "shader,block,instance,";
+
 /// What these options cannot be met for: blocks with more than [`MOST_OFFSETS`] elements to
 /// expand. They are written as patterns.
 pub fn refused(shader: &ShaderLayout, options: &EmitOptions) -> Vec<Diagnostic> {

@@ -1,18 +1,17 @@
 //! `landfall emit`: mirrors and tables of all blocks as one file of Rust or C.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use landfall_layout::codegen::c::{COptions, c};
 use landfall_layout::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
-use landfall_layout::file::write_whole;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, ShaderLayout};
 
 use crate::args::{EmitArgs, EmitLang};
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::read;
+use crate::{read, write};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -47,7 +46,8 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let outcome = match (&args.out, args.check) {
         (Some(out), true) => check(out, &text, streams),
         (Some(out), false) => {
-            write_whole(out, &text)?;
+            let named = args.files.iter().map(PathBuf::as_path);
+            write::protecting(named, shaders.iter().map(|s| &s.files)).write(out, &text)?;
             Outcome::Clean
         }
         (None, _) => {

@@ -70,6 +70,8 @@ struct Done {
     failed: bool,
     /// Blocks that `--block` left out.
     others: Vec<String>,
+    /// The shader and its includes, where a file is written.
+    files: Files,
 }
 
 impl work::Weighed for Done {
@@ -110,6 +112,7 @@ impl Job<'_> {
             findings: self.style.text(&[found], &Files::default()),
             failed: true,
             others: vec![],
+            files: Files::default(),
         }
     }
 
@@ -134,6 +137,7 @@ impl Job<'_> {
             relative: input.relative,
             failed,
             others,
+            files: if self.args.out.is_some() { shader.files } else { Files::default() },
         }
     }
 

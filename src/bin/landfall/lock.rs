@@ -5,7 +5,7 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use landfall_layout::file::{reason, write_whole};
+use landfall_layout::file::{FileWriter, Written};
 use landfall_layout::source::{Files, kind_of_path};
 use landfall_layout::{Diagnostic, Error, Options, Severity, lock};
 
@@ -32,13 +32,14 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         locks: config.locks(args.locks.as_deref()),
         options: config.options(&args.read.text, &args.read.defines),
         style: streams.style(FindingForm::Human),
+        writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
     };
     let mut tally = Tally::default();
     work::ordered(
         Inputs::new(paths).filter(|input| job.takes(input)),
         args.jobs,
         |input| job.one(input),
-        |done| tally.take(done, args, job.style, streams),
+        |done| tally.take(done, &job, streams),
     )?;
     tally.orphans(&job, &searched, streams);
     tally.finish(args, streams)
@@ -50,6 +51,7 @@ struct Job<'a> {
     locks: PathBuf,
     options: Options,
     style: FindingStyle,
+    writer: FileWriter,
 }
 
 /// What became of one shader.
@@ -103,7 +105,7 @@ impl Job<'_> {
         let text = if shader.has_errors() {
             None
         } else {
-            match old(&target) {
+            match old(&target, self.args.force) {
                 Ok(old) => Some(lock::renew(&shader, old.as_ref())),
                 Err(error) => {
                     findings.push_str(&self.style.text(&[error.into()], &Files::default()));
@@ -116,14 +118,20 @@ impl Job<'_> {
 }
 
 /// The lock that is there. One that cannot be read is written anew, but not one that a newer
-/// landfall wrote.
-fn old(target: &Path) -> Result<Option<lock::Lock>, Error> {
-    let Ok(text) = fs::read_to_string(target) else { return Ok(None) };
+/// landfall wrote, nor what is no lock.
+fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
+    let Ok(bytes) = fs::read(target) else { return Ok(None) };
     let shown = target.display().to_string();
+    let text = String::from_utf8_lossy(&bytes);
     match lock::read(&shown, &text) {
         Ok(lock) => Ok(Some(lock)),
         Err(error) if lock::is_newer(&text) => Err(error),
-        Err(_) => Ok(None),
+        Err(_) if force || bytes.is_empty() || lock::is_lock(&text) => Ok(None),
+        Err(_) => Err(Error::new(shown, "has the name of a lock, and is no lock of landfall's")
+            .with_help(
+                "move it away, keep locks elsewhere with `--locks DIR`, or write over it \
+                        with `--force`",
+            )),
     }
 }
 
@@ -139,13 +147,8 @@ struct Tally {
 }
 
 impl Tally {
-    fn take(
-        &mut self,
-        done: Done,
-        args: &LockArgs,
-        style: FindingStyle,
-        streams: &Streams,
-    ) -> Result<(), Failure> {
+    fn take(&mut self, done: Done, job: &Job<'_>, streams: &Streams) -> Result<(), Failure> {
+        let style = job.style;
         streams.report(&done.findings);
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
         if let Some(target) = &done.target {
@@ -155,21 +158,23 @@ impl Tally {
             self.failed = true;
             return Ok(());
         };
-        let there = fs::read(&target);
-        if there.as_ref().is_ok_and(|old| old == text.as_bytes()) {
-            self.unchanged += 1;
-        } else if args.check {
-            self.changed += 1;
-            let stale = match there {
+        if job.args.check {
+            let stale = match fs::read(&target) {
+                Ok(there) if there == text.as_bytes() => {
+                    self.unchanged += 1;
+                    return Ok(());
+                }
                 Ok(_) => "is not what its shader says now",
                 Err(_) => "is not there",
             };
+            self.changed += 1;
             let error = Error::new(target.display().to_string(), stale)
                 .with_help("run the same command without `--check`, and commit what it writes");
             say(Diagnostic { code: "stale-lock", ..error.into() });
         } else {
-            match write_whole(&target, &text) {
-                Ok(()) => self.changed += 1,
+            match job.writer.write(&target, &text) {
+                Ok(Written::Changed) => self.changed += 1,
+                Ok(Written::Unchanged) => self.unchanged += 1,
                 Err(error) => {
                     self.failed = true;
                     say(Diagnostic { code: "output", ..error.into() });
@@ -193,7 +198,7 @@ impl Tally {
                 let rest = below.strip_prefix(folder.as_str());
                 folder.is_empty() || rest.is_some_and(|rest| rest.starts_with('/'))
             });
-            if !is_searched || self.targets.contains(&path) {
+            if !is_searched || self.targets.contains(&path) || !holds_lock(&path) {
                 continue;
             }
             let shown = path.display().to_string();
@@ -205,12 +210,11 @@ impl Tally {
                 say(Diagnostic { code: "lock-orphan", severity, ..error.into() });
                 continue;
             }
-            match fs::remove_file(&path) {
+            match job.writer.remove(&path) {
                 Ok(()) => self.pruned += 1,
-                Err(cause) => {
+                Err(error) => {
                     self.failed = true;
-                    let message = format!("cannot be removed: {}", reason(&cause));
-                    say(Diagnostic { code: "output", ..Error::new(shown, message).into() });
+                    say(Diagnostic { code: "output", ..error.into() });
                 }
             }
         }
@@ -238,6 +242,11 @@ impl Tally {
 
 fn locks(n: usize) -> String {
     if n == 1 { "1 lock".to_string() } else { format!("{n} locks") }
+}
+
+/// Whether a file that is named like a lock holds one, or was one before somebody cut it off.
+pub fn holds_lock(path: &Path) -> bool {
+    fs::read(path).is_ok_and(|bytes| lock::is_lock(&String::from_utf8_lossy(&bytes)))
 }
 
 /// Files of a directory that are named like locks, in order.

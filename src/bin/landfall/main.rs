@@ -41,11 +41,13 @@ mod rule;
 mod run;
 mod schema;
 mod shader;
+mod stdout;
 #[cfg(feature = "exec")]
 mod stress;
 #[cfg(feature = "exec")]
 mod verify;
 mod work;
+mod write;
 
 use std::process::ExitCode;
 

@@ -12,6 +12,7 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
 use crate::args::Color;
+use crate::stdout;
 
 /// What a command came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,6 +136,10 @@ impl Streams {
 
     /// Writes a product to stdout.
     pub fn product(&self, text: &str) -> Result<(), Failure> {
+        if text.is_empty() {
+            return Ok(());
+        }
+        open()?;
         self.stdout.borrow_mut().write_all(text.as_bytes()).map_err(|cause| stdout_failure(&cause))
     }
 
@@ -143,6 +148,7 @@ impl Streams {
         &self,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
+        open()?;
         write(&mut *self.stdout.borrow_mut()).map_err(|cause| stdout_failure(&cause))
     }
 
@@ -157,6 +163,7 @@ impl Streams {
 
     /// Writes a product that is no text to stdout, past whatever handles colours.
     pub fn bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
+        open()?;
         self.finish()?;
         let mut stdout = io::stdout().lock();
         let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
@@ -221,6 +228,15 @@ impl Streams {
             let _ = write!(io::stderr(), "\r\x1b[K");
         }
     }
+}
+
+/// Whether there is a stdout for a product to go to.
+fn open() -> Result<(), Failure> {
+    if !stdout::was_closed() {
+        return Ok(());
+    }
+    let error = Error::new("<stdout>", "is closed, so that the output would be lost");
+    Err(error.with_help("send it to a file, or to /dev/null where nobody wants it").into())
 }
 
 fn stdout_failure(cause: &io::Error) -> Failure {

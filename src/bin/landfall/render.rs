@@ -11,6 +11,7 @@ use landfall::report::render as print;
 use landfall::report::render::RenderReport;
 use landfall_exec::backend::{Device, Reader};
 use landfall_exec::interp::{Cpu, Settings};
+use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
 use landfall_light::bind::{Excess, Lit};
@@ -25,7 +26,7 @@ use landfall_light::{Frame, Scene, Upload};
 
 use crate::args::{ReaderName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::readers;
+use crate::{readers, write};
 use asked::{Asked, Wanted};
 use plan::Planned;
 
@@ -137,6 +138,7 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         // Said before anything is computed.
         let shown = out.display().to_string();
         file::Format::of(&shown).map_err(|error| Error::new(&shown, error.to_string()))?;
+        write::protecting([], &asked.files_read()).allows(out)?;
     }
     let renderer = match args.reference && !compare::needs_shader(&args.compare) {
         true => None,
@@ -185,18 +187,21 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
     };
     report.non_finite = picture.non_finite();
     let transfer = transfer(args);
+    let named = args.bind.iter().chain(&args.compare).map(Path::new).chain([args.scene.as_path()]);
+    let files = asked.files_read();
+    let writer = write::protecting(named, &files);
     for what in &args.compare {
         let done = compare::compare(&made, what, &picture, args, streams)?;
         for (path, difference) in done.pictures {
             // Drawn to be looked at, whatever the transfer of the picture is.
-            write(Path::new(&path), &difference, Transfer::Srgb)?;
+            save(&writer, Path::new(&path), &difference, Transfer::Srgb)?;
             report.written.push(path);
         }
         report.model = done.model.or(report.model);
         report.compared.push(done.compared);
     }
     if let Some(out) = &args.out {
-        write(out, &picture, transfer)?;
+        save(&writer, out, &picture, transfer)?;
         report.written.insert(0, out.display().to_string());
     }
     Ok(report)
@@ -209,11 +214,16 @@ fn transfer(args: &RenderArgs) -> Transfer {
     }
 }
 
-fn write(path: &Path, picture: &Picture, transfer: Transfer) -> Result<(), Error> {
+fn save(
+    writer: &FileWriter,
+    path: &Path,
+    picture: &Picture,
+    transfer: Transfer,
+) -> Result<(), Error> {
     let shown = path.display().to_string();
     let bytes = file::Format::of(&shown).and_then(|format| file::write(picture, format, transfer));
     let bytes = bytes.map_err(|error| Error::new(&shown, error.to_string()))?;
-    landfall_layout::file::write_whole(path, bytes)
+    writer.write(path, bytes).map(|_| ())
 }
 
 impl Made<'_> {

@@ -10,7 +10,6 @@ use landfall_exec::harness::coverage::coverage;
 use landfall_exec::harness::spirv;
 use landfall_exec::harness::verify::report::{Attendance, Outcome as Seen, ShaderReport};
 use landfall_exec::harness::verify::{Subject, VerifyOptions, hold_spirv, run_compiled, verify};
-use landfall_layout::file::write_whole;
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
 use landfall_layout::source::Files;
@@ -217,7 +216,8 @@ impl Run<'_> {
         // A lock of another layout keeps nobody's word.
         let renewed = lock::renew(subject.layout(), Some(&lock));
         if renewed != text {
-            write_whole(&path, renewed.as_bytes())?;
+            let named = self.args.locks.is_some();
+            self.config.writer(&locks, named).write(&path, renewed.as_bytes())?;
         }
         Ok(())
     }

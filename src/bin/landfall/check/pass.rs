@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use landfall_layout::file::write_whole;
+use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
 use landfall_layout::{Error, Language, ShaderLayout, Source};
 use landfall_lint::digest;
@@ -35,6 +35,8 @@ pub struct Run<'a> {
     pub jobs: Option<NonZeroUsize>,
     /// Stdin, by the name it goes by.
     pub stdin: HashMap<String, String>,
+    /// What writes locks.
+    pub locks: FileWriter,
 }
 
 /// What a pass found.
@@ -91,7 +93,7 @@ impl Run<'_> {
                         pass.checked.push(blank());
                     }
                     Done::NoInput(found) => pass.no_input.push(*found),
-                    Done::Fresh(fresh) => pass.take(*fresh),
+                    Done::Fresh(fresh) => pass.take(*fresh, &self.locks),
                 }
                 if let Some(last) = since.as_mut().filter(|last| last.elapsed() >= PROGRESS) {
                     *last = Instant::now();
@@ -125,7 +127,7 @@ impl Run<'_> {
 fn blank() -> Checked {
     Checked {
         path: String::new(),
-        hash: 0,
+        hash: Default::default(),
         includes: Vec::new(),
         absent: Vec::new(),
         lock: None,
@@ -137,7 +139,7 @@ fn blank() -> Checked {
 }
 
 impl Pass {
-    fn take(&mut self, fresh: super::one::Fresh) {
+    fn take(&mut self, fresh: super::one::Fresh, locks: &FileWriter) {
         let weight = fresh.weight();
         let number = self.checked.len();
         self.fresh += 1;
@@ -149,8 +151,8 @@ impl Pass {
             }
         }
         if let Some((path, text)) = fresh.lock {
-            match write_whole(&path, text) {
-                Ok(()) => self.accepted += 1,
+            match locks.write(&path, text) {
+                Ok(_) => self.accepted += 1,
                 Err(error) => self.fail(number, error),
             }
         }

@@ -13,6 +13,7 @@ mod toml;
 use std::path::{Path, PathBuf};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
+use landfall_layout::file::FileWriter;
 use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
 use landfall_lint::settings::Target as Limits;
@@ -33,6 +34,8 @@ const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::W
 /// What a project says.
 #[derive(Debug, Default)]
 pub struct Config {
+    /// The file that says it.
+    pub file: Option<PathBuf>,
     /// The folder that paths are relative to.
     pub root: Root,
     /// What is checked when nothing is named.
@@ -76,7 +79,7 @@ pub fn load(
     let document = Document::new(&read::shown(&file), text);
     let config = document.read(|keys| self::read(keys, root));
     match config {
-        Ok(config) => Ok(Some(config)),
+        Ok(config) => Ok(Some(Config { file: Some(file), ..config })),
         Err((found, files)) => {
             streams.report(&streams.style(FindingForm::Human).text(&found, &files));
             Ok(None)
@@ -98,6 +101,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         ..lints::read(keys, &root)
     };
     Config {
+        file: None,
         paths: list("paths").iter().map(|text| root.path(&text.value)).collect(),
         exclude: exclude(keys),
         locks: folder(keys.text("locks")),
@@ -169,6 +173,15 @@ impl Config {
     /// Where locks are.
     pub fn locks(&self, named: Option<&Path>) -> PathBuf {
         self.said_locks(named).unwrap_or_else(|| self.root.path(LOCKS))
+    }
+
+    /// What writes below a folder: through no link out of the project, or out of the folder
+    /// where that is not in the project or was named on the command line.
+    pub fn writer(&self, folder: &Path, named: bool) -> FileWriter {
+        match named {
+            true => FileWriter::default().inside(folder),
+            false => self.root.writer(folder),
+        }
     }
 
     /// The lock of a shader: `lock` and `verify --record` write it where `check` looks.
