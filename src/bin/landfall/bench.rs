@@ -22,7 +22,7 @@ use landfall_light::accuracy::plot::scatter;
 
 use crate::args::{BenchArgs, BenchFormat, ReadArgs, ReaderName};
 use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
-use crate::{read, readers, write};
+use crate::{given, read, readers, write};
 
 pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -42,6 +42,7 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
         Err(Failure::BrokenPipe) => return Err(Failure::BrokenPipe),
     };
+    files.iter().for_each(given::saw);
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {
         inputs(args, files).write(path, scatter(&drawing(&bench)))?;
     }

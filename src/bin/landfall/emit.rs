@@ -11,7 +11,7 @@ use landfall_layout::{Diagnostic, Error, ShaderLayout};
 use crate::args::{EmitArgs, EmitLang};
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{read, write};
+use crate::{given, read, write};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -24,6 +24,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         match source {
             Ok(source) => {
                 let shader = landfall_layout::layout(&source, &read::options(&args.read));
+                given::saw(&shader.files);
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
                 shaders.push(shader);

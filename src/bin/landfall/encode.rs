@@ -3,11 +3,11 @@
 use std::ops::Range;
 use std::path::Path;
 
-use landfall_layout::buffer::{EncodeError, encode, read_json};
+use landfall_layout::buffer::{EncodeError, Finding, decode, encode, read_json};
 use landfall_layout::file::FileWriter;
 use landfall_layout::format::{Paint, hex};
 use landfall_layout::source::Files;
-use landfall_layout::{BlockLayout, Diagnostic, Error, Label, Span};
+use landfall_layout::{BlockLayout, Diagnostic, Error, Label, Severity, Span};
 
 use crate::args::EncodeArgs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
@@ -31,6 +31,7 @@ pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         .and_then(|block| Ok((block, bytes(block, args)?)));
     match made {
         Ok((block, bytes)) => {
+            streams.report(&style.text(&odd_bools(block, &bytes, args), &Files::default()));
             let inputs = [args.file.as_path(), &args.values];
             let writer = write::protecting(inputs, [&shader.files]);
             write(block, &bytes, args, out.map(|path| (path, writer)), streams)?;
@@ -63,6 +64,18 @@ fn write(
         (None, false) => streams.bytes(bytes),
         (None, true) => streams.product_of(|out| hex::dump(block, bytes, streams.paint, out)),
     }
+}
+
+/// Bools that are neither 0 nor 1: drivers disagree on what those are.
+fn odd_bools(block: &BlockLayout, bytes: &[u8], args: &EncodeArgs) -> Vec<Diagnostic> {
+    let found = decode(block, bytes).map(|decoded| decoded.findings.list).unwrap_or_default();
+    let odd = found.iter().filter(|found| matches!(found, Finding::OddBool { .. }));
+    let path = read::shown(&args.values);
+    let warning = |found: &Finding| Diagnostic {
+        severity: Severity::Warning,
+        ..shader::finding(&path, found.code(), found.to_string(), None)
+    };
+    odd.map(warning).collect()
 }
 
 /// The bytes that the values make, or what is wrong with those.

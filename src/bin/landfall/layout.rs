@@ -13,7 +13,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Error, Options, ShaderLayout};
 use crate::args::LayoutArgs;
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{read, work};
+use crate::{given, read, work};
 use writer::Writer;
 
 /// Errors after which the rest of a shader cannot be told apart: none of its blocks is printed.
@@ -117,6 +117,7 @@ impl Job<'_> {
     }
 
     fn laid_out(&self, input: Input, mut shader: ShaderLayout) -> Done {
+        given::saw(&shader.files);
         let mut others = Vec::new();
         if let Some(name) = &self.args.block {
             let (kept, left) = shader.blocks.into_iter().partition(|b| is_named(b, name));

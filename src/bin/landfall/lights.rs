@@ -11,7 +11,7 @@ use crate::args::{LightsArgs, LightsFormat};
 use crate::inputs::Inputs;
 use crate::layout::panicked;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::read;
+use crate::{given, read};
 
 pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -37,6 +37,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let options = read::options(&args.read);
         let work = || {
             let shader = layout(&source, &options);
+            given::saw(&shader.files);
             // What cannot be laid out cannot be followed.
             let report = (!shader.has_errors()).then(|| cost(&source, &options, &shader));
             (shader, report)

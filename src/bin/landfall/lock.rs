@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use landfall_layout::file::{FileWriter, Written};
 use landfall_layout::source::{Files, kind_of_path};
@@ -14,7 +15,7 @@ use crate::config::{self, Config, slashes};
 use crate::inputs::{Input, Inputs};
 use crate::layout::panicked;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{read, work};
+use crate::{given, read, work};
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
@@ -33,6 +34,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         options: config.options(&args.read.text, &args.read.defines),
         style: streams.style(FindingForm::Human),
         writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
+        excluded: AtomicUsize::new(0),
     };
     let mut tally = Tally::default();
     work::ordered(
@@ -41,6 +43,16 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         |input| job.one(input),
         |done| tally.take(done, &job, streams),
     )?;
+    let excluded = job.excluded.load(Ordering::Relaxed);
+    if tally.is_empty() && excluded > 0 {
+        let found = config::all_excluded(excluded, &[]);
+        let (found, outcome) = match args.paths.is_empty() {
+            true => (found, Outcome::CouldNot),
+            false => (Diagnostic { severity: Severity::Warning, ..found }, Outcome::Clean),
+        };
+        streams.report(&job.style.text(&[found], &Files::default()));
+        return Ok(outcome);
+    }
     tally.orphans(&job, &searched, streams);
     tally.finish(args, streams)
 }
@@ -52,6 +64,8 @@ struct Job<'a> {
     options: Options,
     style: FindingStyle,
     writer: FileWriter,
+    /// Shaders that the configuration leaves out.
+    excluded: AtomicUsize,
 }
 
 /// What became of one shader.
@@ -73,7 +87,10 @@ impl Job<'_> {
     /// Whether the configuration does not leave an input out.
     fn takes(&self, input: &Result<Input, Error>) -> bool {
         let Ok(input) = input else { return true };
-        !self.config.root.below(&input.path).is_some_and(|below| self.config.exclude.takes(&below))
+        let below = self.config.root.below(&input.path);
+        let is_out = below.is_some_and(|below| self.config.exclude.takes(&below));
+        self.excluded.fetch_add(usize::from(is_out), Ordering::Relaxed);
+        !is_out
     }
 
     fn one(&self, input: Result<Input, Error>) -> Done {
@@ -101,6 +118,7 @@ impl Job<'_> {
             let found = panicked(&input.path);
             return failed(Some(target), found);
         };
+        given::saw(&shader.files);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         let text = if shader.has_errors() {
             None
@@ -147,6 +165,11 @@ struct Tally {
 }
 
 impl Tally {
+    /// Whether no shader was looked at.
+    fn is_empty(&self) -> bool {
+        self.targets.is_empty() && !self.failed
+    }
+
     fn take(&mut self, done: Done, job: &Job<'_>, streams: &Streams) -> Result<(), Failure> {
         let style = job.style;
         streams.report(&done.findings);

@@ -8,7 +8,7 @@ use landfall_layout::{Diagnostic, Source};
 
 use crate::args::{PortArgs, PortTo};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{read, write};
+use crate::{given, read, write};
 
 pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -36,6 +36,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         partner,
         locations: args.locations.clone(),
     };
+    given::saw(&landfall_layout::layout(&source, &read::options(&args.read)).files);
     let ported = match port(&source, &options) {
         Ok(ported) => ported,
         Err(found) => {

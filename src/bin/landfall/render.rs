@@ -26,7 +26,7 @@ use landfall_light::{Frame, Scene, Upload};
 
 use crate::args::{ReaderName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{readers, write};
+use crate::{given, readers, write};
 use asked::{Asked, Wanted};
 use plan::Planned;
 
@@ -43,6 +43,7 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.product(&plan::help())?;
         return Ok(Outcome::Clean);
     }
+    asked.files_read().iter().for_each(given::saw);
     if args.print_bind {
         return print_bind(args, &asked, streams, &style);
     }

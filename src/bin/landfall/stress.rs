@@ -17,7 +17,7 @@ use landfall_light::accuracy::stress::{MapRequest, ReaderReport, Request, error_
 use crate::args::{ReaderName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
 use crate::run::textures;
-use crate::{data, interrupt, read, readers, write};
+use crate::{data, given, interrupt, read, readers, write};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
@@ -51,6 +51,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
+    given::saw(&write::files_of(&source, &options));
     let (mut readers, missing) = open(args);
     let stressed = stress(&source, &options, &request, &mut readers, &progress);
     if shows {

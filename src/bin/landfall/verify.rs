@@ -13,14 +13,14 @@ use landfall_exec::harness::verify::{Subject, VerifyOptions, hold_spirv, run_com
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
 use landfall_layout::source::Files;
-use landfall_layout::{BlockLayout, Diagnostic, Error};
+use landfall_layout::{BlockLayout, Diagnostic, Error, Severity};
 
 use crate::args::{VerifyArgs, VerifyFormat};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::readers::{self, Readers};
-use crate::{data, read};
+use crate::{data, given, read};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
@@ -141,6 +141,7 @@ impl Run<'_> {
                 return Ok(());
             }
         };
+        given::saw(&subject.layout().files);
         let mut report = verify(&subject, &self.options, &mut readers.here);
         if let Some(words) = &self.spirv {
             hold_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
@@ -222,9 +223,29 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Nothing was read back, so that nothing is proved.
+    fn nothing(self) -> Result<Outcome, Failure> {
+        let shaders = match self.counts.shaders {
+            1 => "1 shader".to_string(),
+            n => format!("{n} shaders"),
+        };
+        let (message, code) = match &self.args.block {
+            Some(name) => (format!("no block named `{name}` in {shaders}"), "unknown-block"),
+            None => (format!("no blocks to verify in {shaders}"), "no-blocks"),
+        };
+        let severity = if self.args.block.is_some() { Severity::Error } else { Severity::Warning };
+        let found = Diagnostic { severity, ..Diagnostic::about(code, message, None, "") };
+        let found = Diagnostic { path: None, ..found };
+        self.streams.report(&self.style.text(&[found], &Files::default()));
+        Ok(if self.args.block.is_some() { Outcome::CouldNot } else { Outcome::Clean })
+    }
+
     fn finish(self) -> Result<Outcome, Failure> {
         if self.args.format == VerifyFormat::Json {
             self.streams.product(print::json_closing(self.counts.shaders))?;
+        }
+        if self.counts.blocks == 0 && self.counts.failed == 0 && !self.could_not {
+            return self.nothing();
         }
         if self.counts.shaders > 0 {
             self.streams.notes(&print::summary(&self.counts));

@@ -95,10 +95,7 @@ impl Cache {
                 "# Made by landfall; may be removed at any time.\n*\n",
             )?;
         }
-        if self.file.exists() && !is_ours(&self.file) {
-            return Err(Error::new(self.file.display().to_string(), "is no cache of landfall's")
-                .with_help("move it away, or name another folder with `--cache-dir`"));
-        }
+        // Nobody else makes a file whose name is a hash of these settings.
         self.writer.write(&self.file, format!("{MARK}{}\n{json}\n", self.seal(&json)))?;
         self.forget_oldest(folder);
         Ok(())

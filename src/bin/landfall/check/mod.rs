@@ -18,10 +18,11 @@ mod verified;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error, lock};
+use landfall_layout::{Diagnostic, Error, Severity, lock};
 
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
@@ -73,6 +74,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         jobs: args.jobs,
         stdin,
         locks: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
+        excluded: AtomicUsize::new(0),
     };
     let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
     let opened = folder.and_then(|folder| {
@@ -87,6 +89,19 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // Locks are written once everything is mended.
     let accept = args.accept && !args.fix;
     let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
+    let excluded = run.excluded.load(Ordering::Relaxed);
+    if args.shard.is_none() && pass.checked.is_empty() && pass.no_input.is_empty() && excluded > 0 {
+        // Who names files, as hooks do, names some that the configuration leaves out.
+        let found = config::all_excluded(excluded, &args.exclude);
+        let (found, outcome) = match args.paths.is_empty() || !args.exclude.is_empty() {
+            true => (found, Outcome::CouldNot),
+            false => (Diagnostic { severity: Severity::Warning, ..found }, Outcome::Clean),
+        };
+        streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+        if outcome == Outcome::CouldNot {
+            return Ok(outcome);
+        }
+    }
     if args.diff {
         return diff(&run, pass, &mut cache, streams);
     }

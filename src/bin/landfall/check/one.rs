@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::basis::Basis;
 use super::hash::Hash;
 use crate::config::Root;
+use crate::given;
 use crate::inputs::Input;
 use crate::work::Weighed;
 
@@ -41,6 +42,9 @@ pub struct Checked {
     /// The hash of its lock's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lock: Option<Hash>,
+    /// The values of `-O` that it has constants for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constants: Vec<String>,
     /// Whether no lint could be asked.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub failed: bool,
@@ -142,6 +146,7 @@ impl Job<'_> {
         let lock = self.lock(&shown);
         if let Some(known) = self.known.get(&shown) {
             if known.hash == hash && self.is_same(known, lock.as_ref()) {
+                given::saw_names(&known.constants);
                 return Done::Same(shown);
             }
         }
@@ -216,6 +221,8 @@ impl Job<'_> {
             Language::Wgsl => &self.options[1],
         };
         let shader = landfall_layout::layout(&source, options);
+        let constants = given::known(&shader.files);
+        given::saw_names(&constants);
         let settings = &self.basis.settings;
         let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
             shader.diagnostics.iter().partition(|d| d.severity == Severity::Error);
@@ -274,6 +281,7 @@ impl Job<'_> {
             absent: self.absent(&source.path, &includes),
             includes,
             lock: lock_hash,
+            constants,
             failed: is_failed,
             findings,
             blocks: if is_failed { Vec::new() } else { digest(&shader) },
@@ -351,6 +359,7 @@ fn failed(path: &str, hash: Hash, found: Diagnostic) -> Fresh {
         includes: Vec::new(),
         absent: Vec::new(),
         lock: None,
+        constants: Vec::new(),
         failed: true,
         findings: vec![of_diagnostic(&found, &Files::default())],
         blocks: Vec::new(),

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use landfall_layout::file::FileWriter;
@@ -37,6 +38,8 @@ pub struct Run<'a> {
     pub stdin: HashMap<String, String>,
     /// What writes locks.
     pub locks: FileWriter,
+    /// Shaders that were left out.
+    pub excluded: AtomicUsize,
 }
 
 /// What a pass found.
@@ -116,6 +119,7 @@ impl Run<'_> {
         let Ok(input) = input else { return true };
         let below = self.root.below(&input.path);
         if below.as_deref().is_some_and(|below| self.exclude.takes(below)) {
+            self.excluded.fetch_add(1, Ordering::Relaxed);
             return false;
         }
         let Some(shard) = self.shard else { return true };
@@ -131,6 +135,7 @@ fn blank() -> Checked {
         includes: Vec::new(),
         absent: Vec::new(),
         lock: None,
+        constants: Vec::new(),
         failed: false,
         findings: Vec::new(),
         blocks: Vec::new(),

@@ -236,7 +236,12 @@ impl Config {
         let mut settings = self.settings.clone();
         for (code, level) in levels {
             if !is_code(code) {
-                return Err(unknown_code(code));
+                let found = unknown_code(code);
+                let define = "a macro is defined with `--define NAME` or `-D NAME=TEXT`";
+                return Err(match args::define(code).is_ok() {
+                    true => found.with_note(define),
+                    false => found,
+                });
             }
             settings.levels.push((code.clone(), *level));
         }
@@ -306,6 +311,22 @@ impl Exclude {
     pub fn takes(&self, path: &str) -> bool {
         !self.globs.is_empty() && self.set.is_match(path)
     }
+}
+
+/// Every shader of a run was left out.
+pub fn all_excluded(count: usize, flags: &[String]) -> Diagnostic {
+    let what = if count == 1 {
+        "the only shader is".to_string()
+    } else {
+        format!("all {count} shaders are")
+    };
+    let message = format!("{what} left out, and nothing is looked at");
+    let help = match flags {
+        [] => "`exclude` of the configuration says so".to_string(),
+        flags => format!("`--exclude {}` says so", flags.join("`, `--exclude ")),
+    };
+    let found = Diagnostic::about("no-input", message, Some(help), "");
+    Diagnostic { path: None, ..found }
 }
 
 /// A bad glob on the command line.
