@@ -19,15 +19,17 @@ pub mod paint;
 mod place;
 mod table;
 pub mod values;
-pub mod visible;
 pub mod words;
 
 pub use crate::lock::LOCK_SCHEMA;
 pub use expand::MOST_OFFSETS;
 pub use paint::Paint;
 
+use std::borrow::Cow;
+
 use crate::ShaderLayout;
 use crate::diagnostic::Diagnostic;
+use crate::text::escape;
 
 /// Version of the JSON output; a change that could break a reader raises it.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -115,12 +117,21 @@ pub fn closing(options: &EmitOptions, shaders: usize) -> &'static str {
 
 /// The layouts of one shader.
 pub fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
-    match options.format {
+    let text = match options.format {
         Format::Table => table::shader(shader, options),
         Format::Listing => listing::shader(shader, options),
-        Format::Json => json::shader(shader, options),
+        Format::Json => return json::shader(shader, options),
         Format::Csv => csv::shader(shader, options),
         Format::Markdown => markdown::shader(shader, options),
+    };
+    shown(text, options.paint)
+}
+
+/// A text for people, without anything that a terminal or a log obeys but our own styles.
+pub fn shown(text: String, paint: Paint) -> String {
+    match escape::output(&text, paint.styles()) {
+        Cow::Borrowed(_) => text,
+        Cow::Owned(safe) => safe,
     }
 }
 

@@ -46,11 +46,11 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {
         inputs(args, files).write(path, scatter(&drawing(&bench)))?;
     }
-    streams.product(&match args.format {
-        BenchFormat::Human => print::text(&bench, streams.paint),
-        BenchFormat::Json => print::json(&bench),
-        BenchFormat::Csv => print::csv(&bench),
-    })?;
+    match args.format {
+        BenchFormat::Human => streams.product(&print::text(&bench, streams.paint))?,
+        BenchFormat::Json => streams.json(&print::json(&bench))?,
+        BenchFormat::Csv => streams.product(&print::csv(&bench))?,
+    }
     if args.format == BenchFormat::Csv {
         for Failed { variant, reader, reason } in &bench.failed {
             streams.notes(&format!("note: {variant} on {reader}: {reason}\n"));

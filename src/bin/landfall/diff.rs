@@ -180,7 +180,7 @@ fn keys(side: &Side) -> Vec<String> {
 
 fn print(args: &DiffArgs, all: &[Compared<'_>], streams: &Streams) -> Result<(), Failure> {
     match args.format {
-        DiffFormat::Json => streams.product(&json(all)),
+        DiffFormat::Json => streams.json(&json(all)),
         DiffFormat::Md => streams.product(&markdown(all)),
         DiffFormat::Human => {
             let terminal = || terminal_size::terminal_size().map(|(width, _)| width.0.into());

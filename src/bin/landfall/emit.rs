@@ -52,7 +52,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Outcome::Clean
         }
         (None, _) => {
-            streams.product(&text)?;
+            streams.source(&text)?;
             Outcome::Clean
         }
     };

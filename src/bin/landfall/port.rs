@@ -50,7 +50,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
             let named = std::iter::once(args.file.as_path()).chain(args.partner.as_deref());
             write::protecting(named, [&files]).write(out, ported.source.text.as_bytes())?;
         }
-        None => streams.product(&ported.source.text)?,
+        None => streams.source(&ported.source.text)?,
     }
     streams.notes(&notes(&ported));
     Ok(Outcome::Clean)

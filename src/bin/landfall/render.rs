@@ -80,7 +80,7 @@ fn print_bind(
         RenderFormat::Json => {
             let map = landfall::report::bind::json(&renderer.map);
             let text = serde_json::to_string_pretty(&map).unwrap_or_default();
-            streams.product(&format!("{text}\n"))?;
+            streams.json(&format!("{text}\n"))?;
         }
     }
     Ok(Outcome::Clean)
@@ -380,7 +380,7 @@ fn told(args: &RenderArgs, report: &RenderReport, streams: &Streams) -> Result<O
             let style = streams.style(FindingForm::Human);
             streams.report(&style.text(&notes, &Files::default()));
         }
-        RenderFormat::Json => streams.product(&print::json(report))?,
+        RenderFormat::Json => streams.json(&print::json(report))?,
     }
     let far = |most: u8| report.compared.iter().any(|with| with.comparison.codes.max > most);
     let found = report.non_finite > 0 || args.max_step.is_some_and(far);

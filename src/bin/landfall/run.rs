@@ -53,7 +53,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
                     streams.finish()?;
                     streams.report(&style.text(&report.findings(), &report.files));
                 }
-                RunFormat::Json => streams.product(&print::json(&report))?,
+                RunFormat::Json => streams.json(&print::json(&report))?,
             }
             Ok(Outcome::Clean)
         }

@@ -85,8 +85,8 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     match args.format {
         StressFormat::Human => streams.product(&print::text(&report, streams.paint))?,
-        StressFormat::Json => streams.product(&print::json(&report))?,
-        StressFormat::Sarif => streams.product(&print::sarif(&report))?,
+        StressFormat::Json => streams.json(&print::json(&report))?,
+        StressFormat::Sarif => streams.json(&print::sarif(&report))?,
     }
     for reader in &report.readers {
         let Some(why) = &reader.failure else { continue };

@@ -55,7 +55,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         VerifyFormat::Human => {
             streams.product(&print::readers(&readers.attendance, streams.paint))?;
         }
-        VerifyFormat::Json => streams.product(&print::json_opening(&readers.attendance))?,
+        VerifyFormat::Json => streams.json(&print::json_opening(&readers.attendance))?,
     }
     for input in Inputs::new(args.files.clone()) {
         run.one(input, &mut readers)?;
@@ -164,7 +164,10 @@ impl Run<'_> {
             }
         };
         self.counts.add(&report);
-        self.streams.product(&text)?;
+        match self.args.format {
+            VerifyFormat::Human => self.streams.product(&text)?,
+            VerifyFormat::Json => self.streams.json(&text)?,
+        }
         if self.args.record {
             self.record(&subject, &input, &report, &readers.attendance)?;
         }
@@ -242,7 +245,7 @@ impl Run<'_> {
 
     fn finish(self) -> Result<Outcome, Failure> {
         if self.args.format == VerifyFormat::Json {
-            self.streams.product(print::json_closing(self.counts.shaders))?;
+            self.streams.json(print::json_closing(self.counts.shaders))?;
         }
         if self.counts.blocks == 0 && self.counts.failed == 0 && !self.could_not {
             return self.nothing();

@@ -247,7 +247,7 @@ fn diff(
     let failed: Vec<_> =
         tree::alone(&pass).into_iter().filter(|f| landfall_lint::lint(&f.code).is_none()).collect();
     let files = mend::preview(run, pass, &mut cache.tree, streams)?;
-    streams.product(&mend::patch(&files))?;
+    streams.source(&mend::patch(&files))?;
     streams.finish()?;
     if failures > 0 {
         let texts = reports::Texts::new(run.stdin.clone());

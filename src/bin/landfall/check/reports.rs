@@ -119,7 +119,13 @@ pub fn write(
             result.findings
         };
         let text = report(findings, wanted.format, &options(paint));
-        streams.product(&with_shard(text, wanted.format, result))?;
+        let text = with_shard(text, wanted.format, result);
+        match wanted.format {
+            ReportFormat::Human | ReportFormat::Short => streams.product(&text)?,
+            ReportFormat::Json | ReportFormat::Sarif => streams.json(&text)?,
+            // The one is commands, escaped as the runner reads them, the other XML.
+            ReportFormat::Github | ReportFormat::Junit => streams.exactly(&text)?,
+        }
     }
     streams.finish()?;
     if statistics {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use landfall_layout::format as emit;
-use landfall_layout::format::EmitOptions;
+use landfall_layout::format::{EmitOptions, Format};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
@@ -88,11 +88,17 @@ impl<'a> Writer<'a> {
 
     fn print(&mut self, text: &str) -> Result<(), Failure> {
         match self.written {
-            0 => self.streams.product(&emit::opening(self.emit))?,
-            _ => self.streams.product(emit::between(self.emit))?,
+            0 => self.streams.exactly(&emit::opening(self.emit))?,
+            _ => self.streams.exactly(emit::between(self.emit))?,
         }
         self.written += 1;
-        self.streams.product(text)
+        match self.emit.format {
+            Format::Json => self.streams.json(text),
+            // Made safe where it was made.
+            Format::Table | Format::Listing | Format::Csv | Format::Markdown => {
+                self.streams.exactly(text)
+            }
+        }
     }
 
     fn write(&mut self, text: &str, out: &Path, done: &Done) -> Result<(), Failure> {
