@@ -1,7 +1,6 @@
 //! `landfall lock`: one lock a shader, written only where it changes.
 
 use std::collections::HashSet;
-use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -138,7 +137,7 @@ impl Job<'_> {
 /// The lock that is there. One that cannot be read is written anew, but not one that a newer
 /// landfall wrote, nor what is no lock.
 fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
-    let Ok(bytes) = fs::read(target) else { return Ok(None) };
+    let Some(bytes) = read::file(target) else { return Ok(None) };
     let shown = target.display().to_string();
     let text = String::from_utf8_lossy(&bytes);
     match lock::read(&shown, &text) {
@@ -182,13 +181,13 @@ impl Tally {
             return Ok(());
         };
         if job.args.check {
-            let stale = match fs::read(&target) {
-                Ok(there) if there == text.as_bytes() => {
+            let stale = match read::file(&target) {
+                Some(there) if there == text.as_bytes() => {
                     self.unchanged += 1;
                     return Ok(());
                 }
-                Ok(_) => "is not what its shader says now",
-                Err(_) => "is not there",
+                Some(_) => "is not what its shader says now",
+                None => "is not there",
             };
             self.changed += 1;
             let error = Error::new(target.display().to_string(), stale)
@@ -269,7 +268,7 @@ fn locks(n: usize) -> String {
 
 /// Whether a file that is named like a lock holds one, or was one before somebody cut it off.
 pub fn holds_lock(path: &Path) -> bool {
-    fs::read(path).is_ok_and(|bytes| lock::is_lock(&String::from_utf8_lossy(&bytes)))
+    read::file(path).is_some_and(|bytes| lock::is_lock(&String::from_utf8_lossy(&bytes)))
 }
 
 /// Files of a directory that are named like locks, in order.

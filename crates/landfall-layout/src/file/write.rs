@@ -113,6 +113,10 @@ impl FileWriter {
         };
         let there = fs::metadata(path).ok();
         let is_device = there.as_ref().is_some_and(|found| !found.is_file() && !found.is_dir());
+        if is_device && self.tree.is_some() {
+            return Err(Error::new(path.display().to_string(), "is no file, and is left alone")
+                .with_help("remove it, or keep the files of landfall elsewhere"));
+        }
         if is_device || is_stream(path) {
             let mut file = OpenOptions::new().write(true).open(path).map_err(failed)?;
             return file.write_all(bytes).map(|()| Written::Changed).map_err(failed);

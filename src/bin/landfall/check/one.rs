@@ -178,6 +178,12 @@ impl Job<'_> {
         }
         let below = self.root.below(Path::new(shown))?;
         let path = lock::path_of(Path::new(locks), Path::new(&below));
+        // A pipe would be waited for.
+        let is_other = |found: fs::Metadata| !found.is_file() && !found.is_dir();
+        if fs::metadata(&path).is_ok_and(is_other) {
+            let bytes = Err(Error::new(path.display().to_string(), "is no file"));
+            return Some(LockFile { path, bytes });
+        }
         let bytes = match fs::read(&path) {
             Ok(bytes) => Ok(Some(bytes)),
             Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),

@@ -121,10 +121,12 @@ pub fn write(
         let text = report(findings, wanted.format, &options(paint));
         let text = with_shard(text, wanted.format, result);
         match wanted.format {
-            ReportFormat::Human | ReportFormat::Short => streams.product(&text)?,
+            ReportFormat::Human | ReportFormat::Short | ReportFormat::Junit => {
+                streams.product(&text)?;
+            }
             ReportFormat::Json | ReportFormat::Sarif => streams.json(&text)?,
-            // The one is commands, escaped as the runner reads them, the other XML.
-            ReportFormat::Github | ReportFormat::Junit => streams.exactly(&text)?,
+            // Commands that are meant, escaped as the runner reads them.
+            ReportFormat::Github => streams.exactly(&text)?,
         }
     }
     streams.finish()?;

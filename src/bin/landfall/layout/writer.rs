@@ -11,7 +11,7 @@ use landfall_layout::{Diagnostic, Error, Severity};
 
 use super::Done;
 use crate::args::LayoutArgs;
-use crate::write;
+use crate::{read, write};
 use landfall_layout::file::FileWriter;
 
 use crate::output::{Failure, FindingStyle, Outcome, Streams};
@@ -133,13 +133,13 @@ impl<'a> Writer<'a> {
             let text = String::from_utf8_lossy(text);
             text.is_empty() || emit::is_document(&text, self.emit.format, &name)
         };
-        match std::fs::read(target) {
-            Ok(text) if !self.args.force && !own(&text) => {
+        match read::file(target) {
+            Some(text) if !self.args.force && !own(&text) => {
                 let message = "is there already, and was not written by `landfall layout`";
                 Err(Error::new(target.display().to_string(), message)
                     .with_help("name another directory, or write over it with `--force`"))
             }
-            Ok(_) | Err(_) => Ok(()),
+            Some(_) | None => Ok(()),
         }
     }
 
