@@ -1,4 +1,4 @@
-//! What stressing a function found: a table and findings for people, SARIF; [`json`] for programs.
+//! What stressing a function found: a table and findings for people, SARIF; `json` for programs.
 //!
 //! Reads the plain data of [`accuracy::stress`](landfall_light::accuracy::stress).
 

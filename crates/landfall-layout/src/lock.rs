@@ -2,9 +2,10 @@
 //!
 //! [`write()`] makes a lock's text from a [`ShaderLayout`], [`read()`] makes real
 //! [`BlockLayout`]s from a lock or from the output of `layout --format json`, and
-//! [`drift`] holds a shader against its lock. Files are the command's business.
+//! the lint `layout-drift` compares a shader with its lock. Files are the command's business.
 
 mod check;
+mod place;
 mod read;
 mod spelling;
 mod write;

@@ -46,7 +46,15 @@ impl ShaderLayout {
 
 /// Lays out every block of a shader.
 pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
-    let parsed = crate::syntax::parse(source, &options.read, options.gather);
+    layout_parsed(crate::syntax::parse(source, &options.read, options.gather), source, options)
+}
+
+/// Lays out every block of a shader that is parsed already, its loose uniforms gathered or not.
+pub fn layout_parsed(
+    parsed: crate::syntax::Parsed,
+    source: &Source,
+    options: &Options,
+) -> ShaderLayout {
     let mut diagnostics = parsed.diagnostics;
     let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
     for mut block in parsed.shape.blocks {

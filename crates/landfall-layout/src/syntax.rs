@@ -1,6 +1,6 @@
 //! From text to [`Shape`]: the declarations of a shader, function bodies passed over.
 
-pub(crate) mod constant;
+pub mod constant;
 pub mod glsl;
 pub(crate) mod wgsl;
 

@@ -1,7 +1,8 @@
 //! `push-constant-limit`: push constants past the bytes every Vulkan device has.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::{bytes, listing, place};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::AddressSpace;
 

@@ -22,6 +22,7 @@ use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level};
 pub use landfall_layout::format::paint::Paint;
 use landfall_layout::format::shown;
+use landfall_layout::format::words::counted;
 
 pub use json::{REPORT_VERSION, ReadReport};
 
@@ -32,7 +33,7 @@ pub enum ReportFormat {
     Human,
     /// `path:line:col: level[code] message`, one line a finding.
     Short,
-    /// JSON as [`CHECK_SCHEMA`](super::CHECK_SCHEMA) describes it.
+    /// JSON as `landfall schema check` describes it.
     Json,
     /// Workflow commands that GitHub shows as annotations.
     Github,
@@ -129,12 +130,6 @@ fn severity(level: Level) -> &'static str {
         Level::Warn => "warning",
         Level::Deny => "error",
     }
-}
-
-/// `1 error`, `2 errors`.
-fn counted(count: usize, noun: &str) -> String {
-    let s = if count == 1 { "" } else { "s" };
-    format!("{count} {noun}{s}")
 }
 
 /// `65 shaders: 2 errors, 1 warning`.

@@ -23,7 +23,7 @@ use serde_json::Value;
 use self::caller::{Caller, CallerInput};
 use self::find::Found;
 pub use self::report::{CallReport, Given, GivenScalar};
-use super::verify;
+use super::access;
 use crate::backend::{Failure, Reader};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
@@ -204,7 +204,7 @@ impl Job<'_> {
         let bytes = bound::blocks(module, &request.data, bound::zeros)?;
         bound::textures_are_there(module, &request.textures)?;
         let files = module.files();
-        let writable = |block: &_| verify::access::writable(block, files, source.language);
+        let writable = |block: &_| access::writable(block, files, source.language);
         let resources = bound::resources(module, bytes, writable, &request.textures);
         let program = Program::rounded(module, &[], request.floats);
         let number = module.ir.functions.len() - 1;

@@ -4,19 +4,16 @@
 //! `blocks` reads the layout of one shader.
 
 mod blocks;
-mod place;
 
 use std::sync::Arc;
 
+use super::place::{Object, Place};
 use super::{Lock, SCHEMA_VERSION};
 use crate::error::Error;
 use crate::source::Files;
 use crate::text::json;
 use crate::text::json::{Node, Value};
-pub(super) use blocks::Within;
 use blocks::{Reader, Shape};
-use place::Object;
-pub(super) use place::Place;
 
 /// Reads a lock, or the layout of one shader as `layout --format json` prints it.
 ///

@@ -64,6 +64,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
 }
 
 /// The functions of a text, attributes included.
+#[cfg(feature = "naga")]
 pub(crate) fn functions(text: &str) -> Vec<Span> {
     let outline = outline::read(text, &mut Reports::default());
     let functions = outline.items.iter().filter(|item| item.class == Class::Fn);

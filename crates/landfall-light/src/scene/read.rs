@@ -29,9 +29,6 @@ use walk::{At, Object, Walk};
 /// Most pixels of a picture.
 pub const MOST_PIXELS: u64 = 1 << 24;
 
-/// Largest coordinate or length: the square of what is larger has no `f32`.
-pub(super) const LARGEST: f64 = 1e18;
-
 /// Most bytes of a file that a scene names.
 const MOST_BYTES: u64 = 1 << 28;
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use landfall_layout::finding::Level;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
 use landfall_lint::settings::RustFile;
-use landfall_lint::{Settings, naga_disagrees, run};
+use landfall_lint::{Settings, levels, naga_disagrees};
 use serde::{Deserialize, Serialize};
 
 use super::hash::Hash;
@@ -103,7 +103,7 @@ impl Basis {
 
     /// Whether anybody asks about mirrors in Rust files.
     pub fn wants_rust(settings: &Settings) -> bool {
-        let asked = |code| run::level(code, settings) > Level::Allow;
+        let asked = |code| levels::level(code, settings) > Level::Allow;
         asked("rust-mirror") || asked("rust-mirror-unknown")
     }
 

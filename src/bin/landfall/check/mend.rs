@@ -12,10 +12,11 @@ use landfall::report::unified::diff;
 use landfall_layout::Error;
 use landfall_layout::finding::Finding;
 use landfall_layout::format::Paint;
+use landfall_layout::format::words::counted;
 use landfall_lint::fix::{Fixed, apply};
 
 use super::pass::{Pass, Run};
-use super::reports::{Texts, counted};
+use super::reports::Texts;
 use super::tree::{self, Remembered};
 use crate::output::{Failure, Streams};
 

@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use landfall_layout::file::FileWriter;
+use landfall_layout::format::words::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, lock};
 
@@ -89,18 +90,8 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // Locks are written once everything is mended.
     let accept = args.accept && !args.fix;
     let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
-    let excluded = run.excluded.load(Ordering::Relaxed);
-    if args.shard.is_none() && pass.checked.is_empty() && pass.no_input.is_empty() && excluded > 0 {
-        // Who names files, as hooks do, names some that the configuration leaves out.
-        let found = config::all_excluded(excluded, &args.exclude);
-        let (found, outcome) = match args.paths.is_empty() || !args.exclude.is_empty() {
-            true => (found, Outcome::CouldNot),
-            false => (Diagnostic { severity: Severity::Warning, ..found }, Outcome::Clean),
-        };
-        streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
-        if outcome == Outcome::CouldNot {
-            return Ok(outcome);
-        }
+    if let Some(outcome) = left_out(args, &run, &pass, streams) {
+        return Ok(outcome);
     }
     if args.diff {
         return diff(&run, pass, &mut cache, streams);
@@ -144,7 +135,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let inputs = inputs(args, &config, &run, &pass);
     let outcome = reports::write(&result, &args.formats, args.statistics, inputs, streams)?;
     if folder.is_some() {
-        let all = reports::counted(pass.checked.len(), "shader");
+        let all = counted(pass.checked.len(), "shader");
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
     }
     if args.fix {
@@ -152,6 +143,22 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     tell_of_locks(&pass, &basis, args, streams);
     Ok(outcome)
+}
+
+/// What a run comes to whose shaders were all left out, where that is no accident.
+fn left_out(args: &CheckArgs, run: &Run<'_>, pass: &Pass, streams: &Streams) -> Option<Outcome> {
+    let excluded = run.excluded.load(Ordering::Relaxed);
+    let none = pass.checked.is_empty() && pass.no_input.is_empty();
+    if args.shard.is_some() || !none || excluded == 0 {
+        return None;
+    }
+    let found = config::all_excluded(excluded, &args.exclude);
+    // Who names files, as hooks do, names some that the configuration leaves out.
+    let is_meant = !args.paths.is_empty() && args.exclude.is_empty();
+    let severity = if is_meant { Severity::Warning } else { Severity::Error };
+    let found = Diagnostic { severity, ..found };
+    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    (!is_meant).then_some(Outcome::CouldNot)
 }
 
 fn not_remembered(error: &Error, streams: &Streams) {
@@ -178,7 +185,7 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
 
 fn tell_of_locks(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
     if pass.accepted > 0 {
-        streams.notes(&format!("accepted {}\n", reports::counted(pass.accepted, "layout")));
+        streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
     }
     if basis.locks.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);
@@ -259,6 +266,6 @@ fn diff(
         streams.report(&landfall_lint::render::report(&failed, ReportFormat::Human, &options));
         return Ok(Outcome::CouldNot);
     }
-    streams.notes(&format!("{} would be mended\n", reports::counted(files.len(), "file")));
+    streams.notes(&format!("{} would be mended\n", counted(files.len(), "file")));
     Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
 }

@@ -13,7 +13,7 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
 use landfall_lint::allow::{Allow, allows, suppress};
 use landfall_lint::digest::{BlockDigest, digest};
-use landfall_lint::{Subject, run};
+use landfall_lint::{Subject, levels, run};
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
@@ -172,7 +172,7 @@ impl Job<'_> {
     /// The lock of a shader, where locks count.
     fn lock(&self, shown: &str) -> Option<LockFile> {
         let locks = self.basis.locks.as_ref()?;
-        let quiet = |code| run::level(code, &self.basis.settings) == Level::Allow;
+        let quiet = |code| levels::level(code, &self.basis.settings) == Level::Allow;
         if quiet("layout-drift") && quiet("lock-missing") {
             return None;
         }
@@ -243,7 +243,7 @@ impl Job<'_> {
             if let Some(LockFile { path, bytes }) = lock {
                 match bytes.and_then(|bytes| drift(&shader, &path, bytes)) {
                     Ok(Against { hash, lock: old, found }) => {
-                        let mut drifted = run::at_levels(found, settings);
+                        let mut drifted = levels::at_levels(found, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
                         if self.accept && drifted.iter().any(is_drift) {
@@ -260,10 +260,10 @@ impl Job<'_> {
                     )),
                 }
             }
-            findings = run::at_levels(findings, settings);
+            findings = levels::at_levels(findings, settings);
             findings.extend(run::ask_shader(&subject, settings));
         } else {
-            findings = run::at_levels(findings, settings);
+            findings = levels::at_levels(findings, settings);
             failed.extend(errors.iter().take(MOST_ERRORS).map(|d| of_diagnostic(d, &shader.files)));
             if let (Some(last), true) = (failed.last_mut(), errors.len() > MOST_ERRORS) {
                 last.notes.push(format!("and {} more errors", errors.len() - MOST_ERRORS));

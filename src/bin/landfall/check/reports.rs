@@ -12,6 +12,7 @@ use landfall_layout::Error;
 use landfall_layout::file::{FileWriter, reason};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::Paint;
+use landfall_layout::format::words::counted;
 use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report};
 
 use crate::args::Report;
@@ -196,9 +197,4 @@ fn counts(findings: &[Finding]) -> String {
         let _ = writeln!(text, "{count:>6}  {code}");
         text
     })
-}
-
-/// `1 shader`, `2 shaders`.
-pub fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }

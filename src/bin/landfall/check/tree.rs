@@ -10,7 +10,7 @@ use landfall_layout::finding::{Finding, Level};
 use landfall_layout::{Options, ShaderLayout, Source, layout, lock};
 use landfall_lint::allow::{Allow, suppress, unused};
 use landfall_lint::digest::{BlockDigest, concerned};
-use landfall_lint::{Check, Subject, lint, run};
+use landfall_lint::{Check, Subject, levels, lint, run};
 
 use super::basis::Basis;
 use super::hash::Hash;
@@ -45,8 +45,8 @@ pub fn findings(
         }
     };
     let mut more = over_all;
-    more.extend(run::at_levels(orphans(basis, root), &basis.settings));
-    more.extend(run::at_levels(elsewhere.to_vec(), &basis.settings));
+    more.extend(levels::at_levels(orphans(basis, root), &basis.settings));
+    more.extend(levels::at_levels(elsewhere.to_vec(), &basis.settings));
     let mut allows: Vec<Allow> =
         pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
     suppress(&mut more, &mut allows);
@@ -128,7 +128,7 @@ fn is_asked(code: &str, basis: &Basis) -> bool {
 /// Locks whose shader is gone from what was searched.
 fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
     let Some(locks) = basis.locks.as_deref().map(Path::new) else { return Vec::new() };
-    if run::level("lock-orphan", &basis.settings) == Level::Allow || basis.searched.is_empty() {
+    if levels::level("lock-orphan", &basis.settings) == Level::Allow || basis.searched.is_empty() {
         return Vec::new();
     }
     let mut found = Vec::new();

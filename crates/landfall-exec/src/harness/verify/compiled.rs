@@ -8,8 +8,9 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use super::report::{CompiledRun, Outcome};
-use super::{Subject, VerifyOptions, access};
+use super::{Subject, VerifyOptions};
 use crate::backend::{Failure, Grid, Job, Reader, Resource, StageCode, Texel};
+use crate::harness::access;
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::harness::coverage::fill;

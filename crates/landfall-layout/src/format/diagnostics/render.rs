@@ -1,6 +1,6 @@
 //! A finding with its lines of text, drawn by annotate-snippets: the one place that names it.
 //!
-//! Fed by [`diagnostics`](super) and by [`findings`](landfall_lint::render).
+//! Fed by [`diagnostics`](super) and by `landfall_lint::render`.
 
 use annotate_snippets::{
     AnnotationKind, Element, Group, Level, Origin, Padding, Renderer, Snippet,

@@ -2,8 +2,7 @@
 
 use std::rc::Rc;
 
-use super::expression;
-use super::expression::{Names, Problem};
+use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
 use super::preprocess::{Frame, Preprocessor, Profile, Version};
@@ -254,7 +253,7 @@ impl<'a> Preprocessor<'a> {
         if tokens.is_empty() {
             return Err(Problem::new(at, "is empty"));
         }
-        let value = expression::evaluate(&tokens, at, &mut Undefined { es: self.version.es })?;
+        let value = evaluate_tokens(&tokens, at, &mut Undefined { es: self.version.es })?;
         value.integer().map(|v| v != 0).ok_or_else(|| Problem::new(at, "is no whole number"))
     }
 
@@ -382,10 +381,10 @@ struct Undefined {
     es: bool,
 }
 
-impl<'a> Names<'a> for Undefined {
+impl Names for Undefined {
     const DIRECTIVE: bool = true;
 
-    fn value(&mut self, name: &Token<'a>) -> Result<Value, Problem> {
-        Ok(Value::Long(is_common_extension(name.text, self.es).into()))
+    fn value(&mut self, name: &str, _: Span) -> Result<Value, Problem> {
+        Ok(Value::Long(is_common_extension(name, self.es).into()))
     }
 }

@@ -1,6 +1,6 @@
 //! GLSL tokens of one file, with their places. Comments are noted, not returned.
 //!
-//! Feeds [`preprocess`](super::preprocess); knows no macro and no directive.
+//! Feeds `preprocess`; knows no macro and no directive.
 
 use crate::source::Span;
 

@@ -47,6 +47,7 @@ pub(super) struct Item<'a> {
     /// Right after its name.
     pub(super) rest: u32,
     /// One past its last byte.
+    #[cfg_attr(not(feature = "naga"), expect(dead_code, reason = "naga is given whole items"))]
     pub(super) end: u32,
     /// Of a `var<space>`.
     pub(super) space: Option<(&'a str, Span)>,

@@ -136,8 +136,3 @@ hazards! {
         "a driver is off by more than the evaluator is"
         "use operations of smaller permitted error: multiplications for `pow`, `x * inversesqrt(d)` for a division by a length";
 }
-
-/// The hazard of that code.
-pub fn by_code(code: &str) -> Option<&'static Hazard> {
-    HAZARDS.iter().copied().find(|hazard| hazard.code == code)
-}

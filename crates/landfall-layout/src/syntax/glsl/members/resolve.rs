@@ -8,6 +8,7 @@ use crate::diagnostic::Diagnostic;
 use crate::shape::{Struct, Type};
 use crate::syntax::glsl::declarations::{Named, Reader};
 use crate::syntax::glsl::lexer::Token;
+use crate::syntax::glsl::parser::diagnostic_at;
 use crate::syntax::glsl::types::{Builtin, builtin};
 use crate::text::edit_distance::nearest;
 
@@ -63,7 +64,7 @@ impl<'a> Reader<'a> {
                     problems.append(&mut why.clone());
                 } else {
                     let message = format!("`{}` cannot be laid out, see above", token.text);
-                    problems.push(self.diagnostic(&token, "broken-type", message));
+                    problems.push(diagnostic_at(&token, "broken-type", message));
                 }
                 return Resolved::Broken;
             }
@@ -76,11 +77,11 @@ impl<'a> Reader<'a> {
         }
         let diagnostic = if token.text == owner.text {
             let message = format!("structure `{}` contains itself", token.text);
-            self.diagnostic(&token, "recursive-struct", message)
+            diagnostic_at(&token, "recursive-struct", message)
                 .with_note("its size would have no end")
         } else {
             let message = format!("there is no type `{}`", token.text);
-            let diagnostic = self.diagnostic(&token, "unknown-type", message);
+            let diagnostic = diagnostic_at(&token, "unknown-type", message);
             let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
             match nearest(token.text, known) {
                 Some(name) => diagnostic.with_help(format!("did you mean `{name}`?")),

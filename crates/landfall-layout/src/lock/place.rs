@@ -1,6 +1,6 @@
 //! A text of JSON and the objects in it: what should be there, and the message where it is not.
 //!
-//! Walks what [`json`](crate::text::json) gives; feeds [`read`](super) and [`blocks`](super::blocks).
+//! Walks what [`json`](crate::text::json) gives; feeds [`read`](super::read()).
 
 use crate::error::Error;
 use crate::layout::LARGEST_BLOCK;
@@ -15,7 +15,7 @@ pub(super) const WRITE_AGAIN: &str =
 
 /// The text that places are in.
 #[derive(Clone, Copy)]
-pub(in crate::lock) struct Place<'t> {
+pub(super) struct Place<'t> {
     pub path: &'t str,
     pub text: &'t str,
 }
@@ -60,12 +60,12 @@ impl Place<'_> {
     }
 
     /// An error about a byte: `has an unknown key at line 12`.
-    pub(in crate::lock) fn error(&self, at: usize, message: &str) -> Error {
+    pub(super) fn error(&self, at: usize, message: &str) -> Error {
         Error::new(self.path, format!("{message}, at line {}", self.line(at)))
     }
 
     /// An error about JSON that says two things.
-    pub(in crate::lock) fn contradiction(&self, at: u32, message: &str) -> Error {
+    pub(super) fn contradiction(&self, at: u32, message: &str) -> Error {
         let line = self.line(at as usize);
         Error::new(self.path, format!("contradicts itself at line {line}: {message}"))
             .with_help(WRITE_AGAIN)
