@@ -17,7 +17,7 @@ use crate::ShaderLayout;
 use crate::layout::BlockLayout;
 use crate::source::{Files, Language, Stage};
 
-pub use read::{is_newer, read, read_all};
+pub use read::{is_lock, is_newer, read, read_all};
 pub use write::{renew, write};
 
 /// Version of the form of locks; a change that could break a reader raises it.

@@ -21,6 +21,7 @@ use rustc_hash::FxHashSet;
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level};
 pub use landfall_layout::format::paint::Paint;
+use landfall_layout::format::shown;
 use landfall_layout::format::words::counted;
 
 pub use json::{REPORT_VERSION, ReadReport};
@@ -86,8 +87,8 @@ pub struct ReportOptions<'a> {
 pub fn report(findings: &[Finding], format: ReportFormat, options: &ReportOptions<'_>) -> String {
     let findings = &unique(findings)[..];
     match format {
-        ReportFormat::Human => human::report(findings, options),
-        ReportFormat::Short => short::report(findings),
+        ReportFormat::Human => shown(human::report(findings, options), options.paint),
+        ReportFormat::Short => shown(short::report(findings), Paint::Plain),
         ReportFormat::Json => json::report(findings, options.shaders),
         ReportFormat::Github => github::report(findings),
         ReportFormat::Sarif => sarif::report(findings, options.shaders),

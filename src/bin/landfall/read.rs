@@ -82,6 +82,12 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     std::fs::read(path).map_err(failed)
 }
 
+/// The bytes of a regular file, if it is one: a pipe in the place of a lock is not waited for.
+pub fn file(path: &Path) -> Option<Vec<u8>> {
+    let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
+    if is_file { std::fs::read(path).ok() } else { None }
+}
+
 /// Reads a text that is no shader, its byte-order mark left out.
 pub fn text(path: &Path) -> Result<String, Error> {
     let text = source::decode(&shown(path), bytes(path)?)?;

@@ -34,7 +34,8 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
         RuleFormat::Human if in_full => join(&lints, |lint| explanation(lint, streams.paint)),
         RuleFormat::Human => table(&lints, streams.paint),
     };
-    streams.product(&text)?;
+    // Texts of ours alone.
+    streams.exactly(&text)?;
     Ok(Outcome::Clean)
 }
 

@@ -202,6 +202,7 @@ impl Job<'_> {
         let Job { source, request, .. } = self;
         let module = &caller.module;
         let bytes = bound::blocks(module, &request.data, bound::zeros)?;
+        bound::textures_are_there(module, &request.textures)?;
         let files = module.files();
         let writable = |block: &_| access::writable(block, files, source.language);
         let resources = bound::resources(module, bytes, writable, &request.textures);

@@ -11,10 +11,11 @@ use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{AddressSpace, Rules, Struct, Type};
 use crate::source::Language;
+use crate::text::escape::name;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let paint = options.paint;
-    let mut text = paint.text(STRONG, &format!("// {}\n", shader.path));
+    let mut text = paint.text(STRONG, &format!("// {}\n", name(&shader.path)));
     for block in &shader.blocks {
         let mut listing = Listing { block, language: shader.language, lines: vec![] };
         for (s, member) in structures(block) {

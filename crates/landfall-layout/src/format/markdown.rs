@@ -6,6 +6,7 @@ use crate::layout::measure::element_size;
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::{AddressSpace, Type};
 use crate::source::Language;
+use crate::text::escape::markdown_code as code;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let mut text = format!("# {}\n", code(&shader.path));
@@ -99,11 +100,6 @@ fn with_dims(leaf: &Leaf) -> String {
         text.push_str(part);
     }
     text
-}
-
-/// Code in backticks that stays in its cell.
-fn code(text: &str) -> String {
-    format!("`{}`", text.replace('|', "\\|"))
 }
 
 #[cfg(test)]

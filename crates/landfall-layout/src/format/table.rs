@@ -15,6 +15,7 @@ use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, Rules, Type};
 use crate::source::Language;
+use crate::text::escape::name;
 
 const COLUMNS: usize = 7;
 const TITLES: [&str; COLUMNS] = ["offset", "size", "align", "stride", "matrix", "type", "name"];
@@ -22,7 +23,7 @@ const NAME: usize = COLUMNS - 1;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let paint = options.paint;
-    let mut text = paint.text(STRONG, &shader.path);
+    let mut text = paint.text(STRONG, &name(&shader.path));
     if let Some(stage) = shader.stage {
         text.push_str(&paint.text(FAINT, &format!(" ({})", stage.name())));
     }

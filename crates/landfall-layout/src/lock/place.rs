@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::layout::LARGEST_BLOCK;
 use crate::lock::SCHEMA_VERSION;
 use crate::text::edit_distance::nearest;
+use crate::text::escape::is_bidi;
 use crate::text::json::{Fault, Node, Value};
 
 /// What to do about a lock that cannot be trusted.
@@ -122,6 +123,11 @@ impl Place<'_> {
 
     pub(super) fn text<'n>(&self, node: &'n Node, what: &str) -> Result<&'n str, Error> {
         match &node.value {
+            // A path may be anybody's; names are those of a shader, and drivers have plain ones.
+            Value::Text(text) if what != "path" && text.contains(acts) => {
+                let message = format!("has a character in `{what}` that no shader's name has");
+                Err(self.error(node.start, &message).with_help(WRITE_AGAIN))
+            }
             Value::Text(text) => Ok(text),
             _ => Err(self.kind(node, &format!("`{what}`"), "a string")),
         }
@@ -168,4 +174,9 @@ impl Place<'_> {
         };
         Err(self.error(node.start, &message).with_help(help))
     }
+}
+
+/// Whether a character does something else than show itself.
+fn acts(c: char) -> bool {
+    c.is_control() || is_bidi(c)
 }

@@ -87,6 +87,16 @@ pub fn is_newer(text: &str) -> bool {
     })
 }
 
+/// Whether a text is a lock or the output of `layout --format json`, or was before it was cut off
+/// or git left its marks in it: nothing else may be removed or written over as one.
+pub fn is_lock(text: &str) -> bool {
+    const MOST: usize = 4096;
+    let start: String = text.chars().take(MOST).collect();
+    let has = |key: &str| start.contains(&format!("\"{key}\""));
+    let ours = has("language") && has("blocks") || has("tool") && has("landfall");
+    start.contains('{') && has("schema_version") && ours
+}
+
 /// The first line that git left in a file it could not merge.
 fn conflict(text: &str) -> Option<(usize, &str)> {
     let lines = text.lines().enumerate();

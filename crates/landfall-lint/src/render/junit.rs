@@ -3,10 +3,9 @@
 //! What fails the run is a failure, a warning is a skipped case, and one case stands for all
 //! shaders, so that a clean run has something to show.
 
-use landfall_layout::text::xml::escaped;
-
 use super::{severity, short, stable};
 use landfall_layout::finding::{Finding, Level};
+use landfall_layout::text::escape::xml;
 
 pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
     let numbers = stable::numbers(findings);
@@ -32,7 +31,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
     for (path, cases) in suites {
         let of_suite: Vec<&Finding> = cases.iter().map(|(finding, _)| *finding).collect();
         let attributes = Counts::of(&of_suite).attributes();
-        text.push_str(&format!("  <testsuite name=\"{}\"{attributes}>\n", escaped(path)));
+        text.push_str(&format!("  <testsuite name=\"{}\"{attributes}>\n", xml(path)));
         text.extend(cases.iter().map(|(finding, number)| case(finding, *number)));
         text.push_str("  </testsuite>\n");
     }
@@ -63,23 +62,23 @@ fn case(finding: &Finding, number: u32) -> String {
     if number > 1 {
         name.push_str(&format!(" ({number})"));
     }
-    let path = escaped(&finding.place.path);
+    let path = xml(&finding.place.path);
     let line = match finding.place.line {
         0 => String::new(),
         line => format!(" line=\"{line}\""),
     };
-    let message = escaped(&finding.message);
+    let message = xml(&finding.message);
     let outcome = match finding.level {
         Level::Deny => format!(
             "<failure type=\"{}\" message=\"{message}\">{}</failure>",
-            escaped(&finding.code),
-            escaped(&details(finding))
+            xml(&finding.code),
+            xml(&details(finding))
         ),
         Level::Allow | Level::Warn => {
             format!("<skipped message=\"{}: {message}\"/>", severity(finding.level))
         }
     };
-    let name = escaped(name.trim_end());
+    let name = xml(name.trim_end());
     format!(
         "    <testcase classname=\"{path}\" name=\"{name}\" file=\"{path}\"{line}>\n      {outcome}\n    </testcase>\n"
     )

@@ -8,8 +8,10 @@ use std::path::{Path, PathBuf};
 use landfall_layout::finding::Level;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
 use landfall_lint::settings::RustFile;
-use landfall_lint::{Settings, digest, levels, naga_disagrees};
+use landfall_lint::{Settings, levels, naga_disagrees};
 use serde::{Deserialize, Serialize};
+
+use super::hash::Hash;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
@@ -32,7 +34,7 @@ pub struct Basis {
     language: Option<String>,
     pub settings: Settings,
     /// Rust files with mirrors, and the hashes of their texts.
-    rust_files: Vec<(String, u64)>,
+    rust_files: Vec<(String, Hash)>,
 }
 
 /// What is checked, and where.
@@ -55,7 +57,7 @@ impl Basis {
         let dirs = options.read.include_dirs.iter();
         let rust_files = settings.rust_files.iter();
         let rust_files =
-            rust_files.map(|file| (file.path.clone(), digest::fnv(file.text.as_bytes()))).collect();
+            rust_files.map(|file| (file.path.clone(), Hash::of(file.text.as_bytes()))).collect();
         Basis {
             version: env!("CARGO_PKG_VERSION").to_string(),
             root: scope.root,
@@ -90,7 +92,7 @@ impl Basis {
     pub fn read_rust_files(&mut self) -> Result<(), Error> {
         for (path, hash) in &self.rust_files {
             let text = crate::read::text(Path::new(path))?;
-            if digest::fnv(text.as_bytes()) != *hash {
+            if Hash::of(text.as_bytes()) != *hash {
                 return Err(Error::new(path, "is not the file that was checked")
                     .with_help("merge in a checkout of the commit that the shards checked"));
             }
@@ -148,10 +150,10 @@ impl Basis {
         source
     }
 
-    /// A number that is another when anything is that findings of one shader depend on.
-    pub fn fingerprint(&self) -> u64 {
+    /// A hash that is another when anything is that findings of one shader depend on.
+    pub fn fingerprint(&self) -> Hash {
         // What else is checked changes nothing about one shader.
         let alone = Basis { searched: vec![], whole: false, rust_files: vec![], ..self.clone() };
-        digest::fnv(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
+        Hash::of(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
     }
 }

@@ -12,12 +12,14 @@ use landfall_layout::source;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
 use landfall_lint::allow::{Allow, allows, suppress};
-use landfall_lint::digest::{BlockDigest, digest, fnv};
+use landfall_lint::digest::{BlockDigest, digest};
 use landfall_lint::{Subject, levels, run};
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
+use super::hash::Hash;
 use crate::config::Root;
+use crate::given;
 use crate::inputs::Input;
 use crate::work::Weighed;
 
@@ -30,16 +32,19 @@ pub struct Checked {
     /// The path as messages print it.
     pub path: String,
     /// The hash of its bytes.
-    pub hash: u64,
+    pub hash: Hash,
     /// Its includes with the hashes of their bytes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub includes: Vec<(String, u64)>,
+    pub includes: Vec<(String, Hash)>,
     /// Files that would be included instead if they were there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub absent: Vec<String>,
     /// The hash of its lock's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lock: Option<u64>,
+    pub lock: Option<Hash>,
+    /// The values of `-O` that it has constants for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constants: Vec<String>,
     /// Whether no lint could be asked.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub failed: bool,
@@ -50,6 +55,13 @@ pub struct Checked {
     pub blocks: Vec<BlockDigest>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub allows: Vec<Allow>,
+}
+
+impl Checked {
+    /// The shader and its includes.
+    pub fn files(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.path).chain(self.includes.iter().map(|(path, _)| path))
+    }
 }
 
 /// What is the same for all shaders of a pass.
@@ -65,7 +77,7 @@ pub struct Job<'a> {
     /// Whether locks are to be written where layouts have drifted.
     pub accept: bool,
     /// Hashes of files that several shaders include.
-    pub hashes: Mutex<HashMap<String, Option<u64>>>,
+    pub hashes: Mutex<HashMap<String, Option<Hash>>>,
 }
 
 /// What became of one input.
@@ -126,12 +138,15 @@ impl Job<'_> {
         };
         let bytes = match bytes {
             Ok(bytes) => bytes,
-            Err(error) => return Done::Fresh(Box::new(failed(&shown, 0, error.into()))),
+            Err(error) => {
+                return Done::Fresh(Box::new(failed(&shown, Hash::default(), error.into())));
+            }
         };
-        let hash = fnv(&bytes);
+        let hash = Hash::of(&bytes);
         let lock = self.lock(&shown);
         if let Some(known) = self.known.get(&shown) {
             if known.hash == hash && self.is_same(known, lock.as_ref()) {
+                given::saw_names(&known.constants);
                 return Done::Same(shown);
             }
         }
@@ -144,7 +159,7 @@ impl Job<'_> {
         Done::Fresh(Box::new(catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
             let error = Error::new(&*shown, "made landfall panic: this is its fault")
                 .with_help("please report it with the file; the other files are not affected");
-            failed(&shown, 0, Diagnostic { code: "internal-error", ..error.into() })
+            failed(&shown, Hash::default(), Diagnostic { code: "internal-error", ..error.into() })
         })))
     }
 
@@ -163,6 +178,12 @@ impl Job<'_> {
         }
         let below = self.root.below(Path::new(shown))?;
         let path = lock::path_of(Path::new(locks), Path::new(&below));
+        // A pipe would be waited for.
+        let is_other = |found: fs::Metadata| !found.is_file() && !found.is_dir();
+        if fs::metadata(&path).is_ok_and(is_other) {
+            let bytes = Err(Error::new(path.display().to_string(), "is no file"));
+            return Some(LockFile { path, bytes });
+        }
         let bytes = match fs::read(&path) {
             Ok(bytes) => Ok(Some(bytes)),
             Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
@@ -178,34 +199,36 @@ impl Job<'_> {
     fn is_same(&self, known: &Checked, lock: Option<&LockFile>) -> bool {
         let lock = match lock.map(|lock| &lock.bytes) {
             None => None,
-            Some(Ok(bytes)) => bytes.as_deref().map(fnv),
+            Some(Ok(bytes)) => bytes.as_deref().map(Hash::of),
             Some(Err(_)) => return false,
         };
         let to_accept = self.accept && known.findings.iter().any(is_drift);
         !known.failed
             && !to_accept
             && known.lock == lock
-            && known.includes.iter().all(|(path, hash)| self.hash(path) == Some(*hash))
+            && known.includes.iter().all(|(path, hash)| self.hash(path).as_ref() == Some(hash))
             && !known.absent.iter().any(|path| Path::new(path).exists())
     }
 
     /// The hash of a file that may be included by many.
-    fn hash(&self, path: &str) -> Option<u64> {
+    fn hash(&self, path: &str) -> Option<Hash> {
         let mut hashes = self.hashes.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(hash) = hashes.get(path) {
-            return *hash;
+            return hash.clone();
         }
-        let hash = fs::read(path).ok().map(|bytes| fnv(&bytes));
-        hashes.insert(path.to_string(), hash);
+        let hash = fs::read(path).ok().map(|bytes| Hash::of(&bytes));
+        hashes.insert(path.to_string(), hash.clone());
         hash
     }
 
-    fn look(&self, source: Source, hash: u64, lock: Option<LockFile>) -> Fresh {
+    fn look(&self, source: Source, hash: Hash, lock: Option<LockFile>) -> Fresh {
         let options = match source.language {
             Language::Glsl => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
         let shader = landfall_layout::layout(&source, options);
+        let constants = given::known(&shader.files);
+        given::saw_names(&constants);
         let settings = &self.basis.settings;
         let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
             shader.diagnostics.iter().partition(|d| d.severity == Severity::Error);
@@ -225,7 +248,7 @@ impl Job<'_> {
                         lock_hash = hash;
                         if self.accept && drifted.iter().any(is_drift) {
                             let text = lock::renew(&shader, old.as_ref());
-                            lock_hash = Some(fnv(text.as_bytes()));
+                            lock_hash = Some(Hash::of(text.as_bytes()));
                             new_lock = Some((path, text));
                         } else {
                             findings.extend(drifted);
@@ -249,14 +272,14 @@ impl Job<'_> {
         suppress(&mut findings, &mut allowed);
         let is_failed = !failed.is_empty();
         findings.extend(failed);
-        let includes: Vec<(String, u64)> = shader
+        let includes: Vec<(String, Hash)> = shader
             .files
             .iter()
             .skip(1)
             // Macros of the command line have a text too, by this name.
             .filter(|file| !file.path.starts_with("-D "))
             // A file that is gone by now has no hash, and makes the shader new next time.
-            .map(|file| (file.path.clone(), self.hash(&file.path).unwrap_or(0)))
+            .map(|file| (file.path.clone(), self.hash(&file.path).unwrap_or_default()))
             .collect();
         let checked = Checked {
             path: source.path.clone(),
@@ -264,6 +287,7 @@ impl Job<'_> {
             absent: self.absent(&source.path, &includes),
             includes,
             lock: lock_hash,
+            constants,
             failed: is_failed,
             findings,
             blocks: if is_failed { Vec::new() } else { digest(&shader) },
@@ -274,7 +298,7 @@ impl Job<'_> {
 
     /// Files that are not there, but would be included if they were: the same names beside every
     /// file of the shader and in every include directory.
-    fn absent(&self, shader: &str, includes: &[(String, u64)]) -> Vec<String> {
+    fn absent(&self, shader: &str, includes: &[(String, Hash)]) -> Vec<String> {
         if includes.is_empty() {
             return Vec::new();
         }
@@ -304,7 +328,7 @@ fn is_drift(finding: &Finding) -> bool {
 
 /// A shader against its lock: the hash of the lock's bytes, the lock, and what has drifted.
 struct Against {
-    hash: Option<u64>,
+    hash: Option<Hash>,
     lock: Option<Lock>,
     found: Vec<Finding>,
 }
@@ -317,7 +341,7 @@ fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<A
         let found = landfall_lint::drift::drift(shader, &shown, None);
         return Ok(Against { hash: None, lock: None, found });
     };
-    let hash = fnv(&bytes);
+    let hash = Hash::of(&bytes);
     let text = source::decode(&shown, bytes)?;
     let lock = lock::read(&shown, &text)?;
     let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
@@ -334,13 +358,14 @@ fn read(path: &Path, shown: &str) -> Result<Vec<u8>, Error> {
 }
 
 /// A shader of which nothing can be told.
-fn failed(path: &str, hash: u64, found: Diagnostic) -> Fresh {
+fn failed(path: &str, hash: Hash, found: Diagnostic) -> Fresh {
     let checked = Checked {
         path: path.to_string(),
         hash,
         includes: Vec::new(),
         absent: Vec::new(),
         lock: None,
+        constants: Vec::new(),
         failed: true,
         findings: vec![of_diagnostic(&found, &Files::default())],
         blocks: Vec::new(),

@@ -13,6 +13,7 @@ mod toml;
 use std::path::{Path, PathBuf};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
+use landfall_layout::file::FileWriter;
 use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
 use landfall_lint::settings::Target as Limits;
@@ -33,6 +34,8 @@ const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::W
 /// What a project says.
 #[derive(Debug, Default)]
 pub struct Config {
+    /// The file that says it.
+    pub file: Option<PathBuf>,
     /// The folder that paths are relative to.
     pub root: Root,
     /// What is checked when nothing is named.
@@ -76,7 +79,7 @@ pub fn load(
     let document = Document::new(&read::shown(&file), text);
     let config = document.read(|keys| self::read(keys, root));
     match config {
-        Ok(config) => Ok(Some(config)),
+        Ok(config) => Ok(Some(Config { file: Some(file), ..config })),
         Err((found, files)) => {
             streams.report(&streams.style(FindingForm::Human).text(&found, &files));
             Ok(None)
@@ -98,6 +101,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         ..lints::read(keys, &root)
     };
     Config {
+        file: None,
         paths: list("paths").iter().map(|text| root.path(&text.value)).collect(),
         exclude: exclude(keys),
         locks: folder(keys.text("locks")),
@@ -171,6 +175,15 @@ impl Config {
         self.said_locks(named).unwrap_or_else(|| self.root.path(LOCKS))
     }
 
+    /// What writes below a folder: through no link out of the project, or out of the folder
+    /// where that is not in the project or was named on the command line.
+    pub fn writer(&self, folder: &Path, named: bool) -> FileWriter {
+        match named {
+            true => FileWriter::default().inside(folder),
+            false => self.root.writer(folder),
+        }
+    }
+
     /// The lock of a shader: `lock` and `verify --record` write it where `check` looks.
     ///
     /// # Errors
@@ -223,7 +236,12 @@ impl Config {
         let mut settings = self.settings.clone();
         for (code, level) in levels {
             if !is_code(code) {
-                return Err(unknown_code(code));
+                let found = unknown_code(code);
+                let define = "a macro is defined with `--define NAME` or `-D NAME=TEXT`";
+                return Err(match args::define(code).is_ok() {
+                    true => found.with_note(define),
+                    false => found,
+                });
             }
             settings.levels.push((code.clone(), *level));
         }
@@ -293,6 +311,22 @@ impl Exclude {
     pub fn takes(&self, path: &str) -> bool {
         !self.globs.is_empty() && self.set.is_match(path)
     }
+}
+
+/// Every shader of a run was left out.
+pub fn all_excluded(count: usize, flags: &[String]) -> Diagnostic {
+    let what = if count == 1 {
+        "the only shader is".to_string()
+    } else {
+        format!("all {count} shaders are")
+    };
+    let message = format!("{what} left out, and nothing is looked at");
+    let help = match flags {
+        [] => "`exclude` of the configuration says so".to_string(),
+        flags => format!("`--exclude {}` says so", flags.join("`, `--exclude ")),
+    };
+    let found = Diagnostic::about("no-input", message, Some(help), "");
+    Diagnostic { path: None, ..found }
 }
 
 /// A bad glob on the command line.

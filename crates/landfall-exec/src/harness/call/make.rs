@@ -91,6 +91,7 @@ pub(super) fn make(
         inputs.into_iter().map(|input| (is_read(&input), input.name)).unzip();
     through_arguments(&mut module, handle, &blocks, &written);
     let bytes = bound::blocks(&module, &request.data, bound::zeros)?;
+    bound::textures_are_there(&module, &request.textures)?;
     let files = module.files().clone();
     let writable = |block: &_| access::writable(block, &files, language);
     let resources = bound::resources(&module, bytes, writable, &request.textures);

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::ShaderLayout;
+use crate::text::escape;
 
 use super::print::Printer;
 use super::types::{Made, RustType};
@@ -12,8 +13,9 @@ use super::{RustOptions, Vectors, leaf};
 /// What a shader is called in the output: its name among the inputs, or its path.
 pub(super) fn input(shader: &ShaderLayout, options: &RustOptions, at: usize) -> String {
     let name = options.inputs.get(at).unwrap_or(&shader.path);
-    // It stands in comments and in messages: one line, without quotes.
-    relative(name).replace(['\n', '\r', '`'], "_")
+    // It stands in comments and in messages: one line, without quotes, and no letters that turn
+    // the direction of text, which rustc denies.
+    escape::name(&relative(name).replace(['\n', '\r', '`', '"', '\\'], "_")).into_owned()
 }
 
 /// A path that is the same on every machine: the file name of an absolute one.

@@ -2,9 +2,9 @@
 //!
 //! For the drawings beside it.
 
-use landfall_layout::text::xml::escaped;
-
 use std::fmt::Write as _;
+
+use landfall_layout::text::escape::xml;
 
 /// Height of a line of text.
 pub const TEXT: f64 = 11.0;
@@ -54,7 +54,7 @@ impl Svg {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\">\n"
         );
-        let _ = writeln!(text, "<title>{}</title>", escaped(title));
+        let _ = writeln!(text, "<title>{}</title>", xml(title));
         let _ = writeln!(text, "<style>\n{STYLE}{light}{dark}</style>");
         let _ = writeln!(
             text,
@@ -107,7 +107,7 @@ impl Svg {
         };
         let turn =
             turn.map(|by| format!(" transform=\"rotate({by} {x} {y})\"")).unwrap_or_default();
-        let text = escaped(text);
+        let text = xml(text);
         let _ = writeln!(self.text, "<text{class}{anchor} x=\"{x}\" y=\"{y}\"{turn}>{text}</text>");
     }
 
