@@ -5,14 +5,12 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::source::Span;
 use crate::syntax::glsl::ast;
 use crate::syntax::glsl::ast::Item;
 pub(super) use crate::syntax::glsl::ast::Tokens;
-use crate::syntax::glsl::lexer;
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::parser::Parser;
-use crate::syntax::glsl::raw::RawText;
+use crate::syntax::glsl::raw::{RawText, lexed};
 
 /// A token the compiler reads, outside directives.
 #[derive(Clone, Copy, Debug)]
@@ -121,22 +119,8 @@ pub(super) fn declarations<'a>(
     code: &[Token<'a>],
     macros: FxHashSet<&'a str>,
 ) -> Vec<Declaration> {
-    let mut end = 0;
-    let tokens = code.iter().map(|token| {
-        let gap = &text[end..token.start];
-        end = token.end;
-        lexer::Token {
-            kind: token.kind,
-            text: token.text,
-            span: Span { file: 0, start: token.start as u32, end: token.end as u32 },
-            definition: None,
-            comments: 0,
-            first: gap.contains('\n') || gap.len() == token.start,
-            spaced: !gap.is_empty(),
-            frozen: true,
-        }
-    });
-    let mut parser = Parser::over(tokens.collect()).with_qualifier_macros(macros);
+    let tokens = lexed(text, code.iter().map(|token| (token.kind, token.start, token.end)));
+    let mut parser = Parser::over(tokens).with_qualifier_macros(macros);
     let mut outline = Outline { code, parser: &mut parser };
     let mut all = Vec::new();
     loop {

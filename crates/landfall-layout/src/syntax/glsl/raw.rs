@@ -3,7 +3,9 @@
 
 use rustc_hash::FxHashSet;
 
-use super::lexer::{Kind, Lexer};
+use super::ast::Item;
+use super::lexer::{Kind, Lexer, Token};
+use super::parser::Parser;
 use super::preprocess::{Preprocessor, Texts};
 use crate::source::{Files, ReadOptions, Source, Span, Target};
 
@@ -35,6 +37,61 @@ pub struct RawText {
     pub es: bool,
     /// The API it is written for, as far as its text says.
     pub target: Option<Target>,
+}
+
+/// A global declaration of the text as it stands, macros not expanded.
+#[derive(Debug)]
+pub struct RawDeclaration<'a> {
+    /// Its tokens, by their places in [`RawText::tokens`]; directives and text that a condition
+    /// leaves out may stand between them.
+    pub tokens: Vec<usize>,
+    /// What it declares; ranges in it are of the tokens that the compiler reads.
+    pub item: Item<'a>,
+}
+
+impl RawText {
+    /// The places of the tokens the compiler reads, directives left out.
+    pub fn code(&self) -> Vec<usize> {
+        let all = self.tokens.iter().enumerate();
+        all.filter(|(_, t)| t.active && t.directive.is_none()).map(|(at, _)| at).collect()
+    }
+
+    /// The global declarations in order.
+    pub fn declarations<'a>(&self, text: &'a str) -> Vec<RawDeclaration<'a>> {
+        let code = self.code();
+        let places = code.iter().map(|&at| &self.tokens[at]);
+        let places = places.map(|token| (token.kind, token.start, token.end));
+        let mut parser = Parser::over(lexed(text, places));
+        let mut all = Vec::new();
+        loop {
+            let start = parser.position();
+            let Some(item) = parser.item() else { return all };
+            all.push(RawDeclaration { tokens: code[start..parser.position()].to_vec(), item });
+        }
+    }
+}
+
+/// Tokens for the parser, by their kinds and places in a text.
+pub(crate) fn lexed<'a>(
+    text: &'a str,
+    places: impl Iterator<Item = (Kind, usize, usize)>,
+) -> Vec<Token<'a>> {
+    let mut before = 0;
+    let token = |(kind, start, end): (Kind, usize, usize)| {
+        let gap = &text[before..start];
+        before = end;
+        Token {
+            kind,
+            text: &text[start..end],
+            span: Span { file: 0, start: start as u32, end: end as u32 },
+            definition: None,
+            comments: 0,
+            first: gap.contains('\n') || gap.len() == start,
+            spaced: !gap.is_empty(),
+            frozen: true,
+        }
+    };
+    places.map(token).collect()
 }
 
 /// Reads the tokens of a shader's own file.

@@ -2,7 +2,8 @@
 
 use std::rc::Rc;
 
-use super::declaration::{is_float, parametric};
+use super::declaration::parametric;
+use super::qualifiers::is_float;
 use super::{Parsed, Parser};
 use crate::source::Stage;
 use crate::syntax::glsl::ast::{
