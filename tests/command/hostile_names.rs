@@ -7,6 +7,7 @@ use std::fs;
 use crate::cli_check::place::{Place, Ran};
 use crate::support::c::{BOTH, compile};
 use crate::support::rustc;
+use crate::writers::scene;
 
 /// A workflow command, a bidi mark, Markdown's and HTML's signs, an escape sequence, a C1 control,
 /// ends of lines and a second command. No `/`: it is one name.
@@ -30,7 +31,7 @@ fn shader() -> String {
 */
 #include \"{INCLUDE}\"
 layout(std140, binding = 0) uniform B {{ Light l; // \u{202e} hi ::error::
-   float a; // offset 99 \u{1b}[2J
+   float a; // 0..3 offset 99
    float b; }};
 layout(location = 0) out vec4 c;
 /*
@@ -76,6 +77,15 @@ fn unstyled(text: &str) -> String {
 /// What a text must not hold, whatever reads it.
 fn holds_back(text: &str, what: &str) {
     let text = unstyled(text);
+    shows_all(&text, what);
+    let command = |line: &&str| line.trim_start().starts_with("::") || line.contains("##[");
+    if let Some(line) = text.lines().find(command) {
+        panic!("{what}: {line:?} is a command to GitHub");
+    }
+}
+
+/// What no file must hold, for terminals show them, too.
+fn shows_all(text: &str, what: &str) {
     let acts = |c: char| {
         c.is_control() && c != '\n' && c != '\t'
             || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}')
@@ -83,10 +93,6 @@ fn holds_back(text: &str, what: &str) {
     };
     if let Some(line) = text.lines().find(|line| line.contains(acts)) {
         panic!("{what}: {line:?} acts on a terminal");
-    }
-    let command = |line: &&str| line.trim_start().starts_with("::") || line.contains("##[");
-    if let Some(line) = text.lines().find(command) {
-        panic!("{what}: {line:?} is a command to GitHub");
     }
 }
 
@@ -222,7 +228,7 @@ fn generated_code_of_a_hostile_name_compiles() {
     let file = place.0.join("mirrors.rs");
     let out = rustc::check("rustc", crates, &file, "2021", rustc::Target::Library);
     assert!(out.status.success(), "{}", rustc::shown(&out.stderr));
-    holds_back(&place.read("mirrors.rs").replace("::", ""), "mirrors.rs");
+    shows_all(&place.read("mirrors.rs"), "mirrors.rs");
     assert_eq!(run(&place, &["emit", ".", "--lang", "c", "-o", "lights.h"]).code, 0);
     place.write("main.c", "#include \"lights.h\"\nint main(void) { return 0; }\n");
     for compiler in BOTH {
@@ -230,7 +236,7 @@ fn generated_code_of_a_hostile_name_compiles() {
             panic!("{compiler:?}: {log}");
         }
     }
-    holds_back(&place.read("lights.h"), "lights.h");
+    shows_all(&place.read("lights.h"), "lights.h");
 }
 
 #[test]
@@ -242,7 +248,7 @@ fn drawings_and_pages_of_a_hostile_name_are_sound() {
         assert!(place.has(file), "{}", ran.err);
         let text = place.read(file);
         assert!(!text.contains("<b>"), "{file}");
-        holds_back(&text, file);
+        shows_all(&text, file);
         if file.ends_with("svg") {
             roxmltree::Document::parse(&text).expect("XML");
         }
@@ -252,15 +258,14 @@ fn drawings_and_pages_of_a_hostile_name_are_sound() {
     let ran = checked(&place, &[&bench[..], &["--plot", "p.svg", "--variant", &variant]].concat());
     assert!(place.has("p.svg"), "{}", ran.err);
     roxmltree::Document::parse(&place.read("p.svg")).expect("XML");
-    holds_back(&place.read("p.svg"), "p.svg");
+    shows_all(&place.read("p.svg"), "p.svg");
 }
 
 #[test]
 fn strings_of_a_scene_are_shown_as_text() {
     let place = project("scene");
-    let scene = fs::read_to_string("shaders/scenes/six_lights.json").unwrap();
-    let hostile = "\"name\": \"::error::x\\n::error::\\u202e\\u001b[2J\\u009b##[error]\"";
-    let scene = scene.replace("\"name\": \"six lights\"", hostile);
+    let hostile = "\"name\":\"::error::x\\n::error::\\u202e\\u001b[2J\\u009b##[error]\"";
+    let scene = scene().replace("\"name\":\"six lights\"", hostile);
     assert!(scene.contains(hostile));
     place.write(NAME, scene);
     let render = ["render", NAME, "--reference", "--model", "multi", "--size", "8x8"];
@@ -274,10 +279,11 @@ fn strings_of_a_scene_are_shown_as_text() {
 #[test]
 fn a_patch_to_a_file_is_exact() {
     let place = project("patch");
-    let text = shader().replace("void main", "::odd // landfall: allow(stale-comment)\nvoid main");
-    place.write("d/x.frag", text);
+    let text = "/*\n::odd */ // landfall: allow(stale-comment)\nvoid main";
+    place.write("d/x.frag", shader().replace("void main", text));
     let out = fs::File::create(place.0.join("patch")).unwrap();
     let mut command = place.command(&["check", "d/x.frag", "--diff", "-W", "all"]);
     command.env("GITHUB_ACTIONS", "true").stdout(out).status().unwrap();
-    assert!(!place.read("patch").contains("./::odd"));
+    let patch = place.read("patch");
+    assert!(patch.contains("::odd") && !patch.contains("./::odd"), "{patch}");
 }

@@ -4,12 +4,11 @@
 //! `LANDFALL_CAMPAIGN=1000 cargo test --features full --test command campaign` runs it at length.
 
 use std::fs;
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::files;
+use super::{files, scene};
 use crate::cli_check::place::{CLEAN, Place, Ran, idle};
 
 /// How often each thing is tried.
@@ -27,8 +26,7 @@ fn old(name: &str) -> Place {
         place.write(&format!("f/{i}.frag"), idle());
     }
     place.write("many.frag", many(400)).write("m.rs", "");
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes/six_lights.json");
-    fs::copy(scene, place.0.join("scene.json")).unwrap();
+    place.write("scene.json", scene());
     assert_eq!(place.run(&["lock", "s"]).code, 0);
     for i in 0..12 {
         let text = CLEAN.replace("vec4 color;\n}", "vec4 color;\n    vec4 more;\n}");
