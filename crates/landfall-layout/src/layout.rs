@@ -11,6 +11,7 @@ pub mod measure;
 pub mod padding;
 pub mod path;
 pub mod rules;
+pub mod targets;
 pub mod uniform_constraints;
 
 use std::sync::Arc;

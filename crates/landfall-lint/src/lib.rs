@@ -33,6 +33,7 @@ pub mod rust_mirror;
 mod scalar_after_vec3;
 mod show;
 mod stale_comment;
+mod target_changes_layout;
 mod unused_allow;
 mod unused_block;
 mod unused_member;
@@ -134,6 +135,7 @@ pub const LINTS: &[&Lint] = &[
     &rust_mirror::UNKNOWN,
     &scalar_after_vec3::LINT,
     &stale_comment::LINT,
+    &target_changes_layout::LINT,
     &hazards::unclamped_count::LINT,
     &hazards::ungated_specular::LINT,
     &hazards::unguarded_normalize::LINT,

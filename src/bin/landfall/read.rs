@@ -45,8 +45,7 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
         let mut bytes = Vec::new();
         let failed = |cause| Error::new("<stdin>", format!("cannot be read: {cause}")).unreadable();
         std::io::stdin().lock().read_to_end(&mut bytes).map_err(failed)?;
-        let text = source::decode(&name, bytes)?;
-        Source::new(name, text)
+        Source::from_bytes(name, bytes)?
     } else {
         Source::read(path)?
     };

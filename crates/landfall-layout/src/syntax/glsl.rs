@@ -17,6 +17,7 @@ mod members;
 mod preprocess;
 pub mod qualifiers;
 pub mod raw;
+mod splice;
 mod target;
 pub mod types;
 
@@ -27,6 +28,7 @@ use crate::syntax::Parsed;
 use declarations::Reader;
 use preprocess::Preprocessor;
 pub use preprocess::Texts;
+use target::Decision;
 
 /// Errors after which a text is read no further: what was read before them is not to be trusted.
 const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb"];
@@ -34,7 +36,8 @@ const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb"];
 /// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     let texts = Texts::new();
-    let preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    preprocessor.note_foreign(0, source.foreign);
     let mut reader = Reader::new(preprocessor);
     let empty = reader.token.kind == lexer::Kind::End;
     reader.read();
@@ -61,8 +64,16 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
         });
         blocks.clear();
     }
+    let assumed = match preprocessor.asked_for_vulkan.get() {
+        true => match preprocessor.decision() {
+            Decision::Assumed(target) => Some(target),
+            Decision::Known(_) | Decision::Either => None,
+        },
+        false => None,
+    };
     Parsed {
         shape: Shape { blocks, overrides },
+        assumed,
         files: preprocessor.files,
         diagnostics,
         bodies: preprocessor.bodies,

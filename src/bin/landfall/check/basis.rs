@@ -134,8 +134,8 @@ impl Basis {
     }
 
     /// A shader from its text.
-    pub fn source(&self, path: &str, text: &str) -> Source {
-        let mut source = Source::new(path, text);
+    pub fn source(&self, path: &str, bytes: Vec<u8>) -> Result<Source, Error> {
+        let mut source = Source::from_bytes(path, bytes)?;
         match self.language.as_deref() {
             Some("wgsl") => source.language = Language::Wgsl,
             Some(_) => source.language = Language::Glsl,
@@ -145,7 +145,7 @@ impl Basis {
             Language::Glsl => self.stage.as_deref().and_then(Stage::from_name).or(source.stage),
             Language::Wgsl => None,
         };
-        source
+        Ok(source)
     }
 
     /// A number that is another when anything is that findings of one shader depend on.

@@ -135,11 +135,10 @@ impl Job<'_> {
                 return Done::Same(shown);
             }
         }
-        let text = match source::decode(&shown, bytes) {
-            Ok(text) => text,
+        let source = match self.basis.source(&shown, bytes) {
+            Ok(source) => source,
             Err(error) => return Done::Fresh(Box::new(failed(&shown, hash, error.into()))),
         };
-        let source = self.basis.source(&shown, &text);
         let work = || self.look(source, hash, lock);
         Done::Fresh(Box::new(catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
             let error = Error::new(&*shown, "made landfall panic: this is its fault")

@@ -181,6 +181,5 @@ impl Pass {
 /// The text of a shader as it is on disk now.
 pub fn source(basis: &Basis, path: &str) -> Option<Source> {
     let bytes = std::fs::read(Path::new(path)).ok()?;
-    let text = landfall_layout::source::decode(path, bytes).ok()?;
-    Some(basis.source(path, &text))
+    basis.source(path, bytes).ok()
 }

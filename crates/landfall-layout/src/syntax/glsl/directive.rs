@@ -67,7 +67,10 @@ impl<'a> Preprocessor<'a> {
             "GL_core_profile" => !es && number >= 150 && profile == Profile::Core,
             "GL_compatibility_profile" => !es && profile == Profile::Compatibility,
             // GL_KHR_vulkan_glsl: `#define VULKAN 100`.
-            "VULKAN" if self.target() == Some(Target::Vulkan) => return Some("100"),
+            "VULKAN" => {
+                self.asked_for_vulkan.set(true);
+                return (self.target() == Some(Target::Vulkan)).then_some("100");
+            }
             _ => false,
         };
         there.then_some("1")
@@ -344,6 +347,7 @@ impl<'a> Preprocessor<'a> {
         let compatibility = line.get(1).is_some_and(|t| t.is("compatibility"));
         let profile = if compatibility { Profile::Compatibility } else { Profile::Core };
         self.version = Version { number, es, profile };
+        self.version_declared = true;
     }
 
     /// An extension that is asked for is taken to be there, with its macro.
