@@ -3,6 +3,7 @@
 
 mod lines;
 mod target;
+mod wgsl;
 
 use ::landfall::{Options, ShaderLayout, Source, Target, layout};
 use landfall_layout::Severity;

@@ -213,6 +213,8 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
     let size = match block.rules {
         // OpenGL 4.6 §7.6.2.2, end: the data size is rounded up to the alignment of a vec4.
         Rules::Std140 => Alignment::VEC4.round_up(reach),
+        // WGSL §14.4.1: a buffer of no structure has SizeOf its type, 12 for a `vec3f`.
+        Rules::Wgsl if is_bare_variable(block) => Ok(reach),
         // Rule 9 and WGSL §14.4.2: a structure is padded to its alignment.
         Rules::Std430 | Rules::Wgsl => whole.align.round_up(reach),
         // GL_EXT_scalar_block_layout: a structure ends with its last member.
@@ -223,6 +225,12 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
     result.size = Some(size);
     result.align = Some(whole.align.bytes());
     Ok(())
+}
+
+/// Whether the block is a variable of WGSL whose type is no structure.
+fn is_bare_variable(block: &Block) -> bool {
+    let alone = |member: &Member| member.name == block.name;
+    block.instance.is_none() && block.members.len() == 1 && block.members.iter().all(alone)
 }
 
 /// GLSL 4.60 §4.4.5: what an explicit offset must satisfy.

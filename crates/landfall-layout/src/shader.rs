@@ -84,7 +84,10 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         }
         match crate::layout::lay_out(&block) {
             Ok(layout) => {
-                extend_once(&mut diagnostics, crate::layout::uniform_constraints::check(&block));
+                if !parsed.standard_uniforms {
+                    let found = crate::layout::uniform_constraints::check(&block);
+                    extend_once(&mut diagnostics, found);
+                }
                 diagnostics.extend(crate::layout::untold_order(&block, &layout));
                 blocks.push(layout);
             }

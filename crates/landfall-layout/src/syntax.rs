@@ -21,6 +21,8 @@ pub struct Parsed {
     pub bodies: Vec<Span>,
     /// The API a GLSL text that asks for `VULKAN` was read for, where nothing says which.
     pub assumed: Option<Target>,
+    /// Whether a WGSL text requires `uniform_buffer_standard_layout`.
+    pub standard_uniforms: bool,
 }
 
 /// Reads the declarations of a shader. With `gather`, loose uniforms become one std140 block.

@@ -74,6 +74,7 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
     Parsed {
         shape: Shape { blocks, overrides },
         assumed,
+        standard_uniforms: false,
         files: preprocessor.files,
         diagnostics,
         bodies: preprocessor.bodies,

@@ -68,7 +68,8 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     }
     let shape = Shape { blocks, overrides: reader.overrides };
     let diagnostics = reader.reports.finish();
-    Parsed { shape, files, diagnostics, bodies: outline.bodies, assumed: None }
+    let standard_uniforms = outline.standard_uniforms;
+    Parsed { shape, files, diagnostics, bodies: outline.bodies, assumed: None, standard_uniforms }
 }
 
 /// The functions of a text, attributes included.
