@@ -2,6 +2,7 @@
 //! comments may hold. The oracles are glslangValidator and the OpenGL driver.
 
 mod lines;
+mod refused;
 mod target;
 mod wgsl;
 

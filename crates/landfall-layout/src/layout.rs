@@ -50,7 +50,8 @@ pub struct BlockLayout {
     pub binding: Option<u32>,
     /// Dimensions of an array of blocks, outermost first: each element is a buffer of its own.
     pub count: Vec<ArrayLen>,
-    /// Bytes a buffer must hold, a runtime-sized tail counted with one element.
+    /// Bytes a buffer must hold, as desktop drivers report (OpenGL ES leaves the reported size to
+    /// the implementation), a runtime-sized tail counted with one element.
     /// std140 rounds up to 16, as drivers report; the others to the block's alignment.
     /// `None` for loose uniforms.
     pub size: Option<u64>,

@@ -5,10 +5,9 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use std::{fs, io};
 
 use crate::error::Error;
-use crate::file::reason;
+use crate::file::{MOST_BYTES, read_whole};
 
 /// The language a shader is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -185,7 +184,7 @@ impl Source {
     /// The file cannot be read, is a directory, or is not text.
     pub fn read(path: impl AsRef<Path>) -> Result<Source, Error> {
         let path = path.as_ref();
-        Source::from_bytes(path.display().to_string(), read_bytes(path)?)
+        Source::from_bytes(path.display().to_string(), read_bytes(path, None)?)
     }
 }
 
@@ -224,14 +223,17 @@ fn stage_of_extension(extension: &str) -> Option<Stage> {
     STAGES.iter().find(|row| row.2.contains(&extension)).map(|row| row.0)
 }
 
-/// Reads a whole file, telling apart the ways in which it may not be one.
-pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    let shown = path.display().to_string();
-    fs::read(path).map_err(|cause| match cause.kind() {
-        io::ErrorKind::IsADirectory => {
-            Error::new(&shown, "is a directory, not a shader file").unreadable()
+/// Reads the bytes of a shader.
+///
+/// # Errors
+/// As [`read_whole`].
+pub fn read_bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, Error> {
+    read_whole(path, most.unwrap_or(MOST_BYTES)).map_err(|error| match path.is_dir() {
+        true => {
+            let shown = path.display().to_string();
+            Error::new(shown, "is a directory, not a shader file").unreadable()
         }
-        _ => Error::new(&shown, format!("cannot be read: {}", reason(&cause))).unreadable(),
+        false => error,
     })
 }
 
@@ -423,4 +425,6 @@ pub struct ReadOptions {
     pub overrides: Vec<(String, String)>,
     /// The API a GLSL text is meant for; `None` decides by the text.
     pub target: Option<Target>,
+    /// Bytes of the largest file that is read; [`MOST_BYTES`] unless set.
+    pub max_bytes: Option<u64>,
 }

@@ -110,6 +110,9 @@ impl Search {
             Error::new(text.to_string(), format!("is no glob: {}", cause.kind()))
         };
         let pattern = text.strip_prefix("./").unwrap_or(&text);
+        if let Some(cause) = too_deep(pattern) {
+            return Err(Error::new(text.to_string(), format!("is no glob: {cause}")));
+        }
         let glob = GlobBuilder::new(pattern).literal_separator(true).build().map_err(refused)?;
         let matcher = glob.compile_matcher();
         let fixed = argument
@@ -184,6 +187,31 @@ impl Search {
             ),
         })
     }
+}
+
+/// Braces of a glob may nest this deep.
+const DEEPEST_BRACES: usize = 16;
+
+/// Bytes of a glob.
+const LONGEST_GLOB: usize = 4096;
+
+/// Why a glob is not compiled, if it is one made to exhaust the compiler.
+pub fn too_deep(glob: &str) -> Option<String> {
+    if glob.len() > LONGEST_GLOB {
+        return Some(format!("it has more than {LONGEST_GLOB} bytes"));
+    }
+    let mut depth = 0usize;
+    for byte in glob.bytes() {
+        match byte {
+            b'{' => depth += 1,
+            b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > DEEPEST_BRACES {
+            return Some(format!("its braces nest more than {DEEPEST_BRACES} deep"));
+        }
+    }
+    None
 }
 
 fn ends_with_star(glob: &Path) -> bool {

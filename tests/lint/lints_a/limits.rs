@@ -144,12 +144,13 @@ fn immediate_data_of_wgsl_end_by_byte_64_unless_vulkan_alone_is_the_target() {
         found(code, &[("a.wgsl", &of(members))], &with_targets(targets)).len()
     };
     let (fits, over) = ("a: mat4x4f", "a: mat4x4f, b: f32");
-    for (targets, of_over) in [
-        (&[][..], 1),
+    let cases: [(&[Target], usize); 4] = [
+        (&[], 1),
         (&[Target::WebGpu], 1),
         (&[Target::WebGpu, Target::Vulkan], 1),
         (&[Target::Vulkan], 0),
-    ] {
+    ];
+    for (targets, of_over) in cases {
         assert_eq!((found(fits, targets), found(over, targets)), (0, of_over), "{targets:?}");
     }
     let finding = only(found_in(code, "a.wgsl", &of(over)));

@@ -11,6 +11,7 @@ mod declarations;
 mod directive;
 mod expression;
 mod include;
+mod layout_ids;
 pub mod lexer;
 mod macros;
 mod members;

@@ -25,6 +25,8 @@ pub struct Basis {
     defines: Vec<(String, String)>,
     include_dirs: Vec<String>,
     overrides: Vec<(String, String)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    max_bytes: Option<u64>,
     target: Option<String>,
     rules: Option<String>,
     gather: bool,
@@ -65,6 +67,7 @@ impl Basis {
             defines: options.read.defines.clone(),
             include_dirs: dirs.map(|dir| dir.display().to_string()).collect(),
             overrides: options.read.overrides.clone(),
+            max_bytes: options.read.max_bytes,
             target: options.read.target.map(|target| match target {
                 Target::OpenGl => "opengl".to_string(),
                 Target::Vulkan => "vulkan".to_string(),
@@ -117,6 +120,7 @@ impl Basis {
                 defines: self.defines.clone(),
                 include_dirs: self.include_dirs.iter().map(PathBuf::from).collect(),
                 overrides: self.overrides.clone(),
+                max_bytes: self.max_bytes,
                 target: self.target.as_deref().map(|name| match name {
                     "vulkan" => Target::Vulkan,
                     _ => Target::OpenGl,
@@ -126,6 +130,11 @@ impl Basis {
             gather: self.gather,
             naga: false,
         }
+    }
+
+    /// Bytes of the largest file that is read, where somebody says so.
+    pub fn max_bytes(&self) -> Option<u64> {
+        self.max_bytes
     }
 
     /// The directories searched for includes.

@@ -122,7 +122,7 @@ impl Job<'_> {
         let shown = self.shown(&path);
         let bytes = match self.texts.get(&shown) {
             Some(text) => Ok(text.clone().into_bytes()),
-            None => read(&path, &shown),
+            None => source::read_bytes(&path, self.basis.max_bytes()),
         };
         let bytes = match bytes {
             Ok(bytes) => bytes,
@@ -194,7 +194,8 @@ impl Job<'_> {
         if let Some(hash) = hashes.get(path) {
             return *hash;
         }
-        let hash = fs::read(path).ok().map(|bytes| fnv(&bytes));
+        let bytes = source::read_bytes(Path::new(path), self.basis.max_bytes());
+        let hash = bytes.ok().map(|bytes| fnv(&bytes));
         hashes.insert(path.to_string(), hash);
         hash
     }
@@ -321,15 +322,6 @@ fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<A
     let lock = lock::read(&shown, &text)?;
     let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
     Ok(Against { hash: Some(hash), lock: Some(lock), found })
-}
-
-fn read(path: &Path, shown: &str) -> Result<Vec<u8>, Error> {
-    fs::read(path).map_err(|cause| match cause.kind() {
-        std::io::ErrorKind::IsADirectory => Error::new(shown, "is a directory, not a shader file"),
-        _ => {
-            Error::new(shown, format!("cannot be read: {}", landfall_layout::file::reason(&cause)))
-        }
-    })
 }
 
 /// A shader of which nothing can be told.

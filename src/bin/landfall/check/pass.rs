@@ -180,6 +180,6 @@ impl Pass {
 
 /// The text of a shader as it is on disk now.
 pub fn source(basis: &Basis, path: &str) -> Option<Source> {
-    let bytes = std::fs::read(Path::new(path)).ok()?;
+    let bytes = landfall_layout::source::read_bytes(Path::new(path), basis.max_bytes()).ok()?;
     basis.source(path, bytes).ok()
 }

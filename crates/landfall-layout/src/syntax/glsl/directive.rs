@@ -257,8 +257,33 @@ impl<'a> Preprocessor<'a> {
         if tokens.is_empty() {
             return Err(Problem::new(at, "is empty"));
         }
-        let value = expression::evaluate(&tokens, at, &mut Undefined { es: self.version.es })?;
+        let mut names = Undefined { es: self.version.es, met: Vec::new(), unevaluated: 0 };
+        let value = expression::evaluate(&tokens, at, &mut names)?;
+        self.tell_undefined(&names.met);
         value.integer().map(|v| v != 0).ok_or_else(|| Problem::new(at, "is no whole number"))
+    }
+
+    /// GLSL ES 3.20 §3.4: a name that is no macro is an error in an `#if`; desktop compilers
+    /// take it for 0.
+    fn tell_undefined(&mut self, names: &[Token<'a>]) {
+        for name in names {
+            // Extensions and the macro of Vulkan are asked for by those that do not have them.
+            if name.text.starts_with("GL_") || self.undefined_told.contains(&name.text) {
+                continue;
+            }
+            self.undefined_told.push(name.text);
+            let message = format!("`{}` is no macro: the condition takes it for 0", name.text);
+            let help =
+                format!("write `defined({0}) && {0}`, or define it with `-D {0}=N`", name.text);
+            let found = Diagnostic::warning("undefined-macro", name.span, message).with_help(help);
+            if self.version.es {
+                let message =
+                    format!("`{}` is no macro, which GLSL ES has no value for", name.text);
+                self.report(Diagnostic { severity: crate::Severity::Error, message, ..found });
+            } else {
+                self.diagnostics.push(found);
+            }
+        }
     }
 
     fn in_condition(&self) -> bool {
@@ -382,14 +407,30 @@ fn is_common_extension(name: &str, es: bool) -> bool {
 }
 
 /// In an `#if`, a name that is no macro is 0.
-struct Undefined {
+struct Undefined<'a> {
     es: bool,
+    /// The names that were met.
+    met: Vec<Token<'a>>,
+    /// Operands around the reader that are not evaluated.
+    unevaluated: u32,
 }
 
-impl<'a> Names<'a> for Undefined {
+impl<'a> Names<'a> for Undefined<'a> {
     const DIRECTIVE: bool = true;
 
     fn value(&mut self, name: &Token<'a>) -> Result<Value, Problem> {
-        Ok(Value::Long(is_common_extension(name.text, self.es).into()))
+        let common = is_common_extension(name.text, self.es);
+        if !common && self.unevaluated == 0 {
+            self.met.push(*name);
+        }
+        Ok(Value::Long(common.into()))
+    }
+
+    fn begin_unevaluated(&mut self) {
+        self.unevaluated += 1;
+    }
+
+    fn end_unevaluated(&mut self) {
+        self.unevaluated -= 1;
     }
 }

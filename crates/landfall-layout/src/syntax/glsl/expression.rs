@@ -16,6 +16,12 @@ pub trait Names<'a> {
 
     /// The value of a name, or why it has none.
     fn value(&mut self, name: &Token<'a>) -> Result<Value, Problem>;
+
+    /// An operand begins that `&&` or `||` does not evaluate.
+    fn begin_unevaluated(&mut self) {}
+
+    /// That operand ends.
+    fn end_unevaluated(&mut self) {}
 }
 
 /// Why an expression has no value, and where.
@@ -137,7 +143,19 @@ impl<'a, N: Names<'a>> Reader<'_, 'a, N> {
             let level = LEVELS.iter().position(|level| level.contains(&token.text));
             let Some(level) = level.filter(|&level| level >= loosest) else { return Ok(left) };
             self.at += 1;
+            let decided = N::DIRECTIVE
+                && match token.text {
+                    "&&" => left.integer() == Some(0),
+                    "||" => left.integer().is_some_and(|value| value != 0),
+                    _ => false,
+                };
+            if decided {
+                self.names.begin_unevaluated();
+            }
             let right = self.deeper(|reader| reader.binary(level + 1))?;
+            if decided {
+                self.names.end_unevaluated();
+            }
             left = self.apply(&token, &left, &right).map_err(|fault| problem(fault, &token))?;
         }
     }

@@ -102,7 +102,7 @@ impl<'a> Preprocessor<'a> {
             let text = self.files.get(file).map(|f| f.text.clone()).unwrap_or_default();
             return Ok((file, self.texts.alloc(text)));
         }
-        let (text, foreign) = decode_shader(&shown, read_bytes(path)?)?;
+        let (text, foreign) = decode_shader(&shown, read_bytes(path, self.options.max_bytes)?)?;
         let text = normalized(text.into());
         let file = self.files.add(shown.clone(), text.clone());
         self.note_foreign(file, foreign);

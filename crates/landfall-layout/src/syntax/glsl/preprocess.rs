@@ -33,6 +33,8 @@ pub struct Preprocessor<'a> {
     pub(super) macros: FxHashMap<&'a str, Rc<Macro<'a>>>,
     /// Names that `#undef` took away: the language's own macros are among them.
     pub(super) undefined: Vec<&'a str>,
+    /// Names in conditions that are no macros, and were reported.
+    pub(super) undefined_told: Vec<&'a str>,
     pub(super) conditions: Vec<Condition>,
     pub(super) frames: Vec<Frame<'a>>,
     /// Texts included so far, by path, so that a file is read once.
@@ -112,6 +114,7 @@ impl<'a> Preprocessor<'a> {
             files,
             macros: FxHashMap::default(),
             undefined: Vec::new(),
+            undefined_told: Vec::new(),
             conditions: Vec::new(),
             frames: vec![Frame::File { lexer: Lexer::of_file(text, file, texts), conditions: 0 }],
             included: FxHashMap::default(),

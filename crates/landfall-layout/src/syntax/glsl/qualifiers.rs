@@ -1,6 +1,7 @@
 //! The qualifiers in front of a declaration (GLSL 4.60 §4.3 to §4.10).
 
 use super::declarations::Reader;
+use super::layout_ids;
 use super::lexer::{Kind, Token};
 use crate::diagnostic::Diagnostic;
 
@@ -173,13 +174,37 @@ impl<'a> Reader<'a> {
                 self.bump();
                 value = self.collect_until(&[",", ")"]);
             }
-            ids.push(LayoutId { name, value });
+            let id = LayoutId { name, value };
+            self.check_layout_id(&id);
+            ids.push(id);
             if !self.token.is(",") {
                 break;
             }
             self.bump();
         }
         self.expect(")");
+    }
+
+    /// Says that compilers know no such entry of `layout(…)`: an error where it is a known one
+    /// misspelt, a warning where it may belong to an extension that is not known here.
+    fn check_layout_id(&mut self, id: &LayoutId<'a>) {
+        let text = id.name.text.to_ascii_lowercase();
+        if layout_ids::is_known(&text) {
+            return;
+        }
+        let message = format!("there is no layout qualifier `{}`", id.name.text);
+        let mut diagnostic = self.diagnostic(&id.name, "layout-qualifier", message);
+        match layout_ids::nearest(&text) {
+            Some(meant) => {
+                diagnostic = diagnostic.with_help(format!("there is `{meant}`"));
+                self.report(diagnostic);
+            }
+            None => {
+                diagnostic.severity = crate::Severity::Warning;
+                let note = "it is taken to be an extension's and to change no layout";
+                self.preprocessor.diagnostics.push(diagnostic.with_note(note));
+            }
+        }
     }
 
     /// The value of a layout entry, a whole number from 0.
