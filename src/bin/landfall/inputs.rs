@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 
 use globset::{GlobBuilder, GlobMatcher};
 use ignore::{Walk, WalkBuilder};
-use landfall_layout::{Error, source};
+use landfall_layout::{Error, other_language, source};
 
 use crate::read::is_stdin;
 
@@ -35,6 +35,8 @@ struct Search {
     walk: Walk,
     glob: Option<GlobMatcher>,
     found: bool,
+    /// The language of a file that is not read, where one was met.
+    other: Option<&'static str>,
 }
 
 impl Inputs {
@@ -100,7 +102,7 @@ impl Iterator for Inputs {
 impl Search {
     fn directory(root: PathBuf) -> Search {
         let walk = WalkBuilder::new(&root).sort_by_file_name(|a, b| a.cmp(b)).build();
-        Search { argument: root.clone(), root, walk, glob: None, found: false }
+        Search { argument: root.clone(), root, walk, glob: None, found: false, other: None }
     }
 
     /// A glob as a shell would expand it: ignore files do not matter.
@@ -133,6 +135,7 @@ impl Search {
             walk,
             glob: Some(matcher),
             found: false,
+            other: None,
         })
     }
 
@@ -153,6 +156,7 @@ impl Search {
             let path = entry.into_path();
             let path = path.strip_prefix("./").map(Path::to_path_buf).unwrap_or(path);
             if !self.takes(&path) {
+                self.other = self.other.or_else(|| other_language::of_path(&path));
                 continue;
             }
             self.found = true;
@@ -181,6 +185,11 @@ impl Search {
         let path = self.argument.display().to_string();
         Some(match self.glob {
             Some(_) => Error::new(path, "matches no shader file"),
+            None if self.other.is_some() => {
+                let language = self.other.unwrap_or_default();
+                let message = format!("holds no shader file that is read, only {language}");
+                Error::new(path, message).with_help("landfall reads GLSL and WGSL")
+            }
             None => Error::new(path, "holds no shader file").with_help(
                 "shaders are known by their extension, such as .frag, .glsl or .wgsl; \
                  a file named by itself is read whatever its extension",

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use landfall_layout::file::{MOST_BYTES, read_stream, read_whole};
+use landfall_layout::other_language;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, source};
 
 use crate::args::{Api, ReadArgs};
@@ -47,6 +48,9 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
         let bytes = read_stream("<stdin>", std::io::stdin().lock(), most)?;
         Source::from_bytes(name, bytes)?
     } else {
+        if args.text.language.is_none() {
+            other_language::refuse(path)?;
+        }
         let bytes = source::read_bytes(path, args.text.max_bytes)?;
         Source::from_bytes(path.display().to_string(), bytes)?
     };

@@ -73,3 +73,37 @@ fn a_name_that_is_no_macro_is_an_error_in_a_condition_of_es_alone() {
         assert_eq!(severities(&desktop, "undefined-macro"), warning, "{condition}");
     }
 }
+
+#[test]
+fn texts_of_other_languages_are_named_and_refused() {
+    for (language, text) in [
+        (
+            "HLSL",
+            "cbuffer U : register(b0) { float4 a; };\nfloat4 main() : SV_Target { return a; }",
+        ),
+        ("HLSL", "ConstantBuffer<Light> light : register(b0);"),
+        ("HLSL", "float4x4 world;"),
+        ("HLSL", "// a picture\nTexture2D picture;\nSamplerState s;"),
+        ("Slang", "import lighting;\nstruct A { float a; };"),
+        ("Metal", "#include <metal_stdlib>\nusing namespace metal;\nstruct A { float a; };"),
+        ("WGSL", "struct A { a: f32 }\n"),
+        ("WGSL", "@group(0) @binding(0) var<uniform> a: vec4f;"),
+        ("ShaderLab", "Shader \"x\" { }"),
+    ] {
+        let shader = read(text, None);
+        let named = shader.diagnostics.iter().any(|found| found.message.contains(language));
+        // A structure of WGSL is a syntax error at its colon.
+        assert!(shader.has_errors() && (named || text.starts_with("struct")), "{text}: {shader:?}");
+        assert!(shader.blocks.is_empty());
+    }
+    // GLSL in which those words are names, types of its own, or macros.
+    for text in [
+        "#define float4 vec4\nuniform float4 a;\nfloat4 f() { return a; }",
+        "struct float4 { float x; };\nfloat4 f() { return float4(1.0); }",
+        "vec4 import = vec4(1.0);\nfloat kernel[9];\nfloat vertex(float x) { return x; }",
+        "layout(std140) uniform cbuffer { vec4 a; };",
+        "#ifdef HLSL\ncbuffer U { float4 a; };\n#endif\n// cbuffer B\nuniform vec4 a;",
+    ] {
+        assert!(!read(text, None).has_errors(), "{text}: {:?}", read(text, None).diagnostics);
+    }
+}

@@ -32,7 +32,7 @@ pub use preprocess::Texts;
 use target::Decision;
 
 /// Errors after which a text is read no further: what was read before them is not to be trusted.
-const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb"];
+const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb", "other-language"];
 
 /// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {

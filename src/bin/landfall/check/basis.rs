@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::Level;
+use landfall_layout::other_language;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
 use landfall_lint::settings::RustFile;
 use landfall_lint::{Settings, digest, naga_disagrees, run};
@@ -144,6 +145,9 @@ impl Basis {
 
     /// A shader from its text.
     pub fn source(&self, path: &str, bytes: Vec<u8>) -> Result<Source, Error> {
+        if self.language.is_none() {
+            other_language::refuse(Path::new(path))?;
+        }
         let mut source = Source::from_bytes(path, bytes)?;
         match self.language.as_deref() {
             Some("wgsl") => source.language = Language::Wgsl,

@@ -12,6 +12,7 @@ use super::lexer::{Kind, Token};
 use super::preprocess::Preprocessor;
 use super::qualifiers::Qualifiers;
 use crate::diagnostic::Diagnostic;
+use crate::other_language;
 use crate::shape::{Block, Majorness, Member, Rules, Struct};
 use crate::source::{ReadOptions, Span};
 use crate::syntax::constant::Kind as Scalar;
@@ -177,6 +178,9 @@ impl<'a> Reader<'a> {
             "[" => return self.skip_balanced(),
             _ => {}
         }
+        if self.is_other_language() {
+            return;
+        }
         let before = self.previous;
         let first = self.token;
         let qualifiers = self.qualifiers();
@@ -202,6 +206,24 @@ impl<'a> Reader<'a> {
         } else {
             self.unexpected();
         }
+    }
+
+    /// Refuses a text whose next declaration is one of another shading language.
+    fn is_other_language(&mut self) -> bool {
+        let first = self.token;
+        let known = self.types.contains_key(first.text);
+        if first.definition.is_some() || known || !other_language::may_begin(first.text) {
+            return false;
+        }
+        let next = self.peek();
+        let Some(language) = other_language::of_words(first.text, next.text) else { return false };
+        let message = format!("`{}` begins a declaration of {language}, not of GLSL", first.text);
+        self.report(self.diagnostic(&first, "other-language", message).with_help(match language {
+            "WGSL" => "name the file `.wgsl`, or say `--language wgsl`",
+            _ => "landfall reads GLSL and WGSL",
+        }));
+        self.preprocessor.stopped = true;
+        true
     }
 
     /// `layout(…) uniform;` sets defaults; so does `layout(…) buffer;`.
