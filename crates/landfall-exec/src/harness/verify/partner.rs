@@ -28,6 +28,7 @@ pub(crate) fn fragment(of: &Source) -> Source {
         text: Arc::from(text),
         language: Language::Glsl,
         stage: Some(Stage::Fragment),
+        foreign: None,
     }
 }
 

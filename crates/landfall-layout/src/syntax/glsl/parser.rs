@@ -17,7 +17,7 @@ use rustc_hash::FxHashSet;
 use super::ast::{Expr, Name, Precision, Precisions, Storage, Tokens};
 use super::lexer::{Kind, Token};
 use super::preprocess::Preprocessor;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::Span;
 pub use syntax_error::{Parsed, SyntaxError, Wanted};
 
@@ -295,16 +295,26 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The first diagnostic since there were so many, as an error; the others came of it.
+    /// The first error since there were so many diagnostics; the others came of it.
     fn failed_since(&mut self, count: usize) -> Parsed<()> {
         let diagnostics = match &mut self.preprocessor {
             Some(preprocessor) => &mut preprocessor.diagnostics,
             None => &mut self.diagnostics,
         };
-        match diagnostics.drain(count..).next() {
-            Some(first) => Err(SyntaxError::Other(Box::new(first))),
+        let error = |d: &Diagnostic| d.severity == Severity::Error;
+        match diagnostics[count..].iter().position(error) {
+            Some(at) => {
+                let first = diagnostics.remove(count + at);
+                diagnostics.truncate(count);
+                Err(SyntaxError::Other(Box::new(first)))
+            }
             None => Ok(()),
         }
+    }
+
+    /// The number of errors so far.
+    fn errors(&self) -> usize {
+        self.diagnostics().iter().filter(|d| d.severity == Severity::Error).count()
     }
 
     /// Parses a part of the tokens that must take them all.

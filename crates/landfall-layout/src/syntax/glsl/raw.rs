@@ -1,12 +1,15 @@
 //! The tokens of a shader's own file as they stand in its text, macros not
 //! expanded: what an edit of the text needs to know.
 
+use std::borrow::Cow;
+
 use rustc_hash::FxHashSet;
 
 use super::ast::Item;
 use super::lexer::{Kind, Lexer, Token};
 use super::parser::Parser;
 use super::preprocess::{Preprocessor, Texts};
+use super::splice;
 use crate::source::{Files, ReadOptions, Source, Span, Target};
 
 /// A token of the text.
@@ -109,7 +112,7 @@ pub fn read(source: &Source, options: &ReadOptions) -> RawText {
         }
     }
     seen.extend(preprocessor.obeyed.iter().filter(|span| span.file == 0).map(|span| span.start));
-    let mut tokens = lex(&source.text);
+    let mut tokens = lex(&source.text, &texts);
     mark_active(&mut tokens, &seen);
     RawText {
         tokens,
@@ -144,12 +147,12 @@ pub fn flattened(source: &Source, options: &ReadOptions) -> String {
     let mut text = String::with_capacity(body.len() + 256);
     for span in &preprocessor.obeyed {
         let Some(file) = preprocessor.files.get(span.file) else { continue };
-        let line = file.text[span.start as usize..].lines().next().unwrap_or_default();
+        let line = logical_line(&file.text[span.start as usize..]);
         let name = line.trim_start_matches('#').trim_start();
         let kept = name.starts_with("version") && span.file == 0
             || name.starts_with("extension") && !name.contains("include");
         if kept {
-            text.push_str(line);
+            text.push_str(&line);
             text.push('\n');
         }
     }
@@ -158,8 +161,24 @@ pub fn flattened(source: &Source, options: &ReadOptions) -> String {
     text
 }
 
-fn lex(text: &str) -> Vec<RawToken> {
-    let mut lexer = Lexer::new(text, 0);
+/// The first line of a text, joined with those that continue it.
+fn logical_line(text: &str) -> Cow<'_, str> {
+    let mut end = 0;
+    loop {
+        let rest = &text[end..];
+        let line = rest.split(['\n', '\r']).next().unwrap_or_default();
+        end += line.len();
+        if !line.ends_with('\\') || end == text.len() {
+            break;
+        }
+        end += if text[end..].starts_with("\r\n") { 2 } else { 1 };
+    }
+    let line = &text[..end];
+    splice::splice(line).map_or(Cow::Borrowed(line), |(clean, _)| Cow::Owned(clean))
+}
+
+fn lex<'a>(text: &'a str, texts: &'a Texts) -> Vec<RawToken> {
+    let mut lexer = Lexer::of_file(text, 0, texts);
     let mut comments = Vec::new();
     let mut tokens: Vec<RawToken> = Vec::new();
     let mut directives = 0;

@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use super::{Bodies, Parsed, Parser, SyntaxError, Wanted, diagnostic_at};
 use crate::diagnostic::Diagnostic;
+use crate::other_language;
 use crate::source::Span;
 use crate::syntax::glsl::ast::{
     BlockDecl, Declaration, Declarator, Dim, Expr, FunctionDecl, Item, Name, Qualifiers, Storage,
@@ -46,6 +47,12 @@ impl<'a> Parser<'a> {
             }
             _ => {}
         }
+        if self.is_other_language() {
+            while self.token().kind != Kind::End {
+                self.bump();
+            }
+            return Item::Other(start..self.at);
+        }
         let qualifiers = self.qualifiers();
         if self.is(";") && qualifiers.any {
             self.bump();
@@ -72,6 +79,26 @@ impl<'a> Parser<'a> {
         } else {
             self.variables(start, qualifiers)
         }
+    }
+
+    /// Refuses a shader whose next declaration is one of another shading language.
+    fn is_other_language(&mut self) -> bool {
+        let first = *self.token();
+        let known = self.structures.contains(first.text);
+        if first.definition.is_some() || known || !other_language::may_begin(first.text) {
+            return false;
+        }
+        let next = *self.ahead(1);
+        let Some(language) = other_language::of_words(first.text, next.text) else { return false };
+        let Some(preprocessor) = &mut self.preprocessor else { return false };
+        let message = format!("`{}` begins a declaration of {language}, not of GLSL", first.text);
+        let help = match language {
+            "WGSL" => "name the file `.wgsl`, or say `--language wgsl`",
+            _ => "landfall reads GLSL and WGSL",
+        };
+        preprocessor.report(diagnostic_at(&first, "other-language", message).with_help(help));
+        preprocessor.stopped = true;
+        true
     }
 
     /// `in NAME { … } name[];`: it has locations, not bytes.
@@ -327,9 +354,9 @@ impl<'a> Parser<'a> {
             return None;
         };
         ty.dims = self.dims();
-        let diagnostics = self.diagnostics().len();
+        let errors = self.errors();
         let names = self.declarators();
-        let broken = self.diagnostics().len() > diagnostics;
+        let broken = self.errors() > errors;
         Some(Declaration { tokens: start..self.at, qualifiers, ty, names, broken })
     }
 

@@ -1,7 +1,9 @@
 //! Qualifiers and default precisions (GLSL 4.60 §4.3 to §4.10).
 
 use super::{Parser, diagnostic_at};
-use crate::syntax::glsl::ast::{LayoutId, Precision, Qualifiers, Storage};
+use crate::Severity;
+use crate::syntax::glsl::ast::{LayoutId, Name, Precision, Qualifiers, Storage};
+use crate::syntax::glsl::layout_ids;
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::qualifiers::{OTHER_STORAGE, is_qualifier};
 
@@ -111,12 +113,34 @@ impl<'a> Parser<'a> {
             if self.eat("=") {
                 (tokens, value) = self.code(&[",", ")"]);
             }
+            self.check_layout_id(&name);
             ids.push(LayoutId { name, tokens, value });
             if !self.eat(",") {
                 break;
             }
         }
         self.expect_or_report(")");
+    }
+
+    /// Reports an entry of `layout(…)` that no compiler knows: an error where it is a known one
+    /// misspelt, a warning where it may belong to an extension that is not known here.
+    fn check_layout_id(&mut self, name: &Name<'a>) {
+        let text = name.text.to_ascii_lowercase();
+        // Where macros are not expanded, a name may stand for an entry.
+        if layout_ids::is_known(&text) || self.preprocessor.is_none() {
+            return;
+        }
+        let message = format!("there is no layout qualifier `{}`", name.text);
+        let token = self.token_of(name);
+        let mut diagnostic = diagnostic_at(&token, "layout-qualifier", message);
+        match layout_ids::nearest(&text) {
+            Some(meant) => self.report(diagnostic.with_help(format!("there is `{meant}`"))),
+            None => {
+                diagnostic.severity = Severity::Warning;
+                let note = "it is taken to be an extension's and to change no layout";
+                self.preprocessor().diagnostics.push(diagnostic.with_note(note));
+            }
+        }
     }
 
     /// `precision mediump float;`
