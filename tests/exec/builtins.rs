@@ -170,7 +170,8 @@ fn hold(families: &[Family], measured: &[Measured]) {
         .flat_map(|family| &family.cases)
         .map(|case| (case.name.to_string(), case.permitted.to_string()))
         .collect();
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/landfall-exec/src/interp/accuracy.md");
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/landfall-exec/src/interp/accuracy.md");
     if std::env::var_os("LANDFALL_WRITE_TABLES").is_some() {
         let text = table::written(&rows, measured, COUNT);
         std::fs::write(&path, text).expect("the repository is writable");

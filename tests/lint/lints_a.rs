@@ -4,7 +4,6 @@
 //! Numbers are computed by hand from the rules of std140 and std430 (OpenGL 4.6 §7.6.2.2), or
 //! stand in the specifications' tables of limits; what does not link is glslang's word.
 
-
 mod comments;
 mod copies;
 mod limits;

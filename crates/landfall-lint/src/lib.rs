@@ -40,6 +40,7 @@ mod vec3_array;
 mod walk;
 mod webgl2_size;
 
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::source::Source;
 use landfall_layout::{Options, ShaderLayout};
 
@@ -76,6 +77,16 @@ impl Lint {
             return Level::Deny;
         }
         self.level
+    }
+}
+
+impl Lint {
+    /// Returns the hazards that the code it reports may meet.
+    pub fn hazards(&self) -> &'static [Hazard] {
+        match self.check {
+            Check::Hazard(kind) => kind.hazards(),
+            Check::Shader(_) | Check::Tree(_) | Check::Elsewhere => &[],
+        }
     }
 }
 
@@ -150,6 +161,13 @@ pub const LINTS: &[&Lint] = &[
 /// The lint of that code.
 pub fn lint(code: &str) -> Option<&'static Lint> {
     LINTS.iter().find(|lint| lint.code == code).copied()
+}
+
+/// Returns the code of the lint that a hazard's earlier spelling means: `pow-of-zero` for
+/// `power-of-zero`. `None` for codes of lints and for all others.
+pub fn renamed(code: &str) -> Option<&'static str> {
+    let hazard = Hazard::named(code).filter(|hazard| hazard.info().aliases.contains(&code))?;
+    lint(hazard.code()).map(|lint| lint.code).filter(|now| *now != code)
 }
 
 /// The known name nearest to one that is not: two edits away at most.

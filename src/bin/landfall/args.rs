@@ -97,7 +97,7 @@ pub enum Command {
     Check(CheckArgs),
     /// Make one report of those of all shards of a check
     Merge(MergeArgs),
-    /// List the lints, or explain one
+    /// List the lints and hazards, or explain one
     Rule(RuleArgs),
     /// Print the JSON Schema of an output or a scene
     Schema(SchemaArgs),

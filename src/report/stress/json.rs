@@ -378,8 +378,8 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
         f64: plain(n.double),
     };
     FoundObject {
-        hazard: (!found.hazard.id.is_empty()).then_some(found.hazard.id),
-        code: found.hazard.code,
+        hazard: (!found.hazard.is_arithmetic()).then_some(found.hazard.code()),
+        code: found.hazard.code(),
         level: found.level.name(),
         message: found.message(),
         function: &found.place.function,
@@ -406,7 +406,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
             .as_ref()
             .map(|p| PermittedObject { steps: plain(p.steps), any_adapter: p.any }),
         condition: found.condition.as_ref().map(condition),
-        rewrite: found.hazard.rewrite,
+        rewrite: found.hazard.info().robust,
         gain: found.gain.as_ref().map(|gain| GainObject {
             form: gain.form,
             before: plain(gain.before),

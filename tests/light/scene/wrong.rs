@@ -1,9 +1,9 @@
 //! What is wrong with a scene is named at its place, and refused by its schema too where a
 //! schema can see it.
 
+use landfall::report::schema::SCENE_SCHEMA;
 use landfall_layout::Severity::{Error, Warning};
 use landfall_layout::{Diagnostic, Severity};
-use landfall::report::schema::SCENE_SCHEMA;
 use serde_json::Value;
 
 use crate::scene::{RIGHT, names, read_alone};

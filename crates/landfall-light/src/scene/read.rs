@@ -9,6 +9,7 @@ mod materials;
 mod objects;
 mod walk;
 
+use landfall_ir::analysis::hazard::threshold;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -30,7 +31,7 @@ use walk::{At, Object, Walk};
 pub const MOST_PIXELS: u64 = 1 << 24;
 
 /// Largest coordinate or length: the square of what is larger has no `f32`.
-pub(super) const LARGEST: f64 = 1e18;
+pub(super) const LARGEST: f64 = threshold::COORDINATE.value;
 
 /// Most bytes of a file that a scene names.
 const MOST_BYTES: u64 = 1 << 28;

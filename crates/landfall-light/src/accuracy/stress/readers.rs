@@ -5,8 +5,6 @@
 use super::case::{Case, Writing, case};
 use super::condition::{Condition, condition};
 use super::drivers::Drivers;
-use super::hazard;
-use super::hazard::Hazard;
 use super::input::Sample;
 use super::judge::{Answered, Came, Seen, Why, came};
 use super::measure::{Off, Outcome, floats};
@@ -17,6 +15,7 @@ use super::shrink::plausible;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::pure::Pure;
 use landfall_exec::interp::Floats;
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
 
 /// A driver beside the evaluator.
@@ -104,9 +103,9 @@ impl ReaderReport {
 
     /// What of it is a finding: the worst sample of each kind that the evaluator alone does not
     /// show.
-    pub(super) fn odd(&self) -> impl Iterator<Item = (&'static Hazard, &DriverCase, u64)> {
-        let kinds: [(&'static Hazard, &Odd); 2] =
-            [(&hazard::DRIVER_NOT_FINITE, &self.not_finite), (&hazard::DRIVER_APART, &self.apart)];
+    pub(super) fn odd(&self) -> impl Iterator<Item = (Hazard, &DriverCase, u64)> {
+        let kinds: [(Hazard, &Odd); 2] =
+            [(Hazard::DriverNotFinite, &self.not_finite), (Hazard::DriverApart, &self.apart)];
         kinds.into_iter().filter_map(|(hazard, odd)| {
             let case = odd.cases.first()?;
             Some((hazard, case, odd.count))
@@ -198,7 +197,7 @@ pub(super) fn on_a_driver(
     pure: &Pure,
     plan: &Plan,
     reader: &'static str,
-    (hazard, found, seen): (&'static Hazard, &DriverCase, u64),
+    (hazard, found, seen): (Hazard, &DriverCase, u64),
 ) -> Found {
     let wrong = found.verdict == Some(Verdict::Wrong);
     let sample = &found.case.words;
@@ -206,7 +205,7 @@ pub(super) fn on_a_driver(
         hazard,
         level: match (wrong, found.plausible) {
             (true, true) => Level::Deny,
-            (false, true) => hazard.level,
+            (false, true) => hazard.info().level,
             (_, false) => Level::Warn,
         },
         place: pure.place(),
