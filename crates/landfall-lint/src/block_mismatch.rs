@@ -6,7 +6,7 @@ mod program;
 
 use std::collections::BTreeMap;
 
-use super::show::{counted, is_declared, listing, may_be_vulkan, place};
+use super::show::{counted, listing, may_be_vulkan, place};
 use super::{Check, Lint, Settings, Subject};
 use compare::{Difference, View, alike, collide, differences, is_head, shared, view};
 use landfall_layout::ShaderLayout;
@@ -80,7 +80,7 @@ fn copies<'a>(subjects: &'a [Subject<'a>]) -> impl Iterator<Item = Copy<'a>> {
         let blocks = subject.shader.blocks.iter();
         // Push constants are a range of each stage's own; the others are no bound buffers.
         let bound = |block: &&BlockLayout| match block.space {
-            AddressSpace::Uniform | AddressSpace::Storage => is_declared(block, subject.options),
+            AddressSpace::Uniform | AddressSpace::Storage => !block.gathered,
             AddressSpace::PushConstant
             | AddressSpace::BufferReference
             | AddressSpace::ShaderRecord

@@ -1,7 +1,7 @@
 //! `rules-undeclared`: blocks whose offsets the driver chooses.
 
 use super::settings::Target;
-use super::show::{is_declared, may_be_vulkan, place};
+use super::show::{may_be_vulkan, place};
 use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
@@ -42,7 +42,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         return Vec::new();
     }
     let blocks = subject.shader.blocks.iter();
-    let undeclared = blocks.filter(|b| !b.rules_declared && is_declared(b, subject.options));
+    let undeclared = blocks.filter(|b| !b.rules_declared && !b.gathered);
     undeclared.map(|block| finding(subject, block)).collect()
 }
 

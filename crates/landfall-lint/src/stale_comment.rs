@@ -6,7 +6,7 @@ mod judge;
 mod owners;
 mod words;
 
-use super::show::{is_declared, listing, place};
+use super::show::{listing, place};
 use super::{Check, Lint, Settings, Subject};
 use claims::{Claim, Kind, claims};
 use columns::Row;
@@ -49,7 +49,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
         return Vec::new();
     }
     let blocks = subject.shader.blocks.iter();
-    let blocks = blocks.filter(|b| b.rules_declared && is_declared(b, subject.options));
+    let blocks = blocks.filter(|b| b.rules_declared && !b.gathered);
     let mut found = Vec::new();
     for owner in owners(subject.shader, blocks) {
         in_owner(subject, &owner, &mut found);

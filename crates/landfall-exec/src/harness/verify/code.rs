@@ -64,8 +64,7 @@ pub(super) fn form(reader: &str, source: &Source, block: &BlockLayout, naga: boo
 
 /// Whether the block is the loose uniforms of a GLSL shader.
 pub(crate) fn is_loose(source: &Source, block: &BlockLayout) -> bool {
-    let gathered = &*block.name == "DefaultBlock" && !block.rules_declared;
-    source.language == Language::Glsl && gathered
+    source.language == Language::Glsl && block.gathered
 }
 
 /// The stage a probe runs in on a reader, or why it does not.

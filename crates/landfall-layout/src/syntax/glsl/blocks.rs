@@ -103,6 +103,7 @@ impl<'a> Reader<'a> {
             space,
             rules,
             rules_declared,
+            gathered: false,
             group,
             binding,
             count,
