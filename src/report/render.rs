@@ -102,7 +102,7 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         let _ = writeln!(text, "  {} {said}", paint.text(HEADING, &format!("{name:<11}")));
     };
     if let Some(device) = &report.device {
-        row(device.reader, &paint.text(PLAIN, &about(device)));
+        row(device.reader.name(), &paint.text(PLAIN, &about(device)));
     }
     row("picture", &format!("{width} by {height}, {} fragments", report.fragments));
     let [directional, point, spot] = report.lights;

@@ -1,6 +1,7 @@
 //! The code of a probe in the form its reader takes: the user's text for OpenGL, ported where
 //! OpenGL has no bytes for its uniforms, and a module for the evaluator and wgpu.
 
+use crate::backend::BackendKind;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -22,7 +23,7 @@ const NAGA_BINDING: u32 = 99;
 
 /// What code is needed of.
 pub(super) struct Need<'a> {
-    pub reader: &'static str,
+    pub reader: BackendKind,
     pub source: &'a Source,
     pub block: &'a BlockLayout,
     /// Which buffer of an array of blocks.
@@ -53,10 +54,10 @@ pub(super) struct Bound {
 }
 
 /// The text that a reader is given.
-pub(super) fn form(reader: &str, source: &Source, block: &BlockLayout, naga: bool) -> Form {
+pub(super) fn form(reader: BackendKind, source: &Source, block: &BlockLayout, naga: bool) -> Form {
     match (reader, naga) {
-        ("gl", _) if is_loose(source, block) => Form::Ported,
-        ("gl", _) => Form::Original,
+        (BackendKind::Gl, _) if is_loose(source, block) => Form::Ported,
+        (BackendKind::Gl, _) => Form::Original,
         (_, false) => Form::Module,
         (_, true) => Form::Naga,
     }
@@ -69,7 +70,7 @@ pub(crate) fn is_loose(source: &Source, block: &BlockLayout) -> bool {
 
 /// The stage a probe runs in on a reader, or why it does not.
 pub(super) fn fits(
-    reader: &str,
+    reader: BackendKind,
     source: &Source,
     block: &BlockLayout,
     stage: Stage,
@@ -77,7 +78,7 @@ pub(super) fn fits(
     let Some(runs) = Runs::of(stage) else {
         return Err(format!("probes run in no {} stage", stage.name()));
     };
-    if reader != "gl" {
+    if reader != BackendKind::Gl {
         return Ok(runs);
     }
     match (source.language, block.space) {
@@ -146,7 +147,7 @@ fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure>
 fn fragment(need: &Need<'_>, source: &Source) -> Result<StageCode, Failure> {
     let source = partner::fragment(source);
     let module = match need.reader {
-        "gl" => None,
+        BackendKind::Gl => None,
         _ => {
             let made = Module::new(&source, &Options::default());
             Some(Arc::new(made.map_err(|found| refused("run", &found))?))

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use super::code;
 use super::code::{Code, Need};
 use super::{
-    BlockReport, Cause, ElementReport, Form, Outcome, ReaderReport, Unprobed, VerifyOptions,
-    reported,
+    BlockReport, Cause, ElementReport, Form, Outcome, ReadBy, ReaderReport, Unprobed,
+    VerifyOptions, reported,
 };
 use crate::backend::{Failure, FailureKind, Job, Reader, Resource, ResourceKind};
 use crate::harness::bindings::kind as buffer_of;
@@ -130,7 +130,7 @@ impl Verifier<'_> {
     ) -> ReaderReport {
         let name = reader.device().reader;
         let mut report = ReaderReport {
-            reader: name,
+            reader: ReadBy::Backend(name),
             stage: stage.name(),
             form: code::form(name, self.source, self.block, self.options.naga),
             outcome: Outcome::Confirmed,
@@ -354,7 +354,7 @@ fn bytes(block: &BlockLayout) -> Result<u64, String> {
 
 fn skipped(reader: &dyn Reader, stage: Stage, reason: &str) -> ReaderReport {
     ReaderReport {
-        reader: reader.device().reader,
+        reader: ReadBy::Backend(reader.device().reader),
         stage: stage.name(),
         form: Form::Original,
         outcome: Outcome::Skipped,

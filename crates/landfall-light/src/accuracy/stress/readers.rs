@@ -12,6 +12,7 @@ use super::permitted::{PermittedAt, Verdict, permitted, verdict};
 use super::report::{Asked, Found};
 use super::sample::{Plan, Tally, columns, settings};
 use super::shrink::plausible;
+use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::pure::Pure;
 use landfall_exec::interp::Floats;
@@ -22,7 +23,7 @@ use landfall_layout::finding::Level;
 #[derive(Clone, Debug)]
 pub struct ReaderReport {
     /// `gl` or `gpu`.
-    pub reader: &'static str,
+    pub reader: BackendKind,
     /// Who it is; none of one that is not here.
     pub device: Option<Device>,
     /// The samples of finite inputs it ran, and how they came out against the evaluator's `f64`.
@@ -81,7 +82,7 @@ impl DriverCase {
 
 impl ReaderReport {
     /// One that is not here.
-    pub fn missing(reader: &'static str, failure: &Failure) -> ReaderReport {
+    pub fn missing(reader: BackendKind, failure: &Failure) -> ReaderReport {
         ReaderReport {
             reader,
             device: None,
@@ -167,7 +168,7 @@ fn known(pure: &Pure, device: &Device) -> bool {
     let inverts = |text: &str| {
         text.split(|c| !is_word(c)).any(|word| matches!(word, "inverse" | "determinant"))
     };
-    device.reader != "gl" || !pure.files.iter().any(|file| inverts(&file.text))
+    device.reader != BackendKind::Gl || !pure.files.iter().any(|file| inverts(&file.text))
 }
 
 /// A sample with what a driver gives for it.
@@ -196,7 +197,7 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
 pub(super) fn on_a_driver(
     pure: &Pure,
     plan: &Plan,
-    reader: &'static str,
+    reader: BackendKind,
     (hazard, found, seen): (Hazard, &DriverCase, u64),
 ) -> Found {
     let wrong = found.verdict == Some(Verdict::Wrong);

@@ -16,6 +16,7 @@ use super::permitted::{PermittedAt, permitted};
 use super::readers::{ReaderReport, ask, on_a_driver, reports};
 use super::rewrite::{Gain, gain};
 use super::sample::{Plan, Tally, columns, settings};
+use landfall_exec::backend::BackendKind;
 use landfall_exec::harness::call::pure::{Pure, PureRequest};
 use landfall_exec::interp::{Floats, Place, UndefinedKind};
 use landfall_ir::analysis::hazard::Hazard;
@@ -83,7 +84,7 @@ pub struct Found {
     /// Where.
     pub place: Place,
     /// The driver it is about, where it is about one alone.
-    pub reader: Option<&'static str>,
+    pub reader: Option<BackendKind>,
     /// The operation that did it.
     pub operation: Option<Performed>,
     /// What is undefined about it; none of a loss of accuracy or a breach of a rule.
@@ -124,8 +125,8 @@ pub struct Against {
 /// What a driver gives for the input of a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
-    /// `gl` or `gpu`.
-    pub reader: &'static str,
+    /// The driver.
+    pub reader: BackendKind,
     /// The floats it gives, in the order of the results.
     pub results: Vec<f32>,
     /// Why it gives none.

@@ -24,7 +24,7 @@ impl Found {
             (None, Outcome::Discarded) => String::new(),
         };
         let what = match self.reader {
-            Some(reader) => self.hazard.info().what.replacen("a driver", reader, 1),
+            Some(reader) => self.hazard.info().what.replacen("a driver", reader.name(), 1),
             None => self.hazard.info().what.to_string(),
         };
         format!("{what}{outcome}")
