@@ -1,4 +1,4 @@
-//! The examples for CI in the README and the hooks for pre-commit do what they are there for.
+//! The examples for CI in the book and the hooks for pre-commit do what they are there for.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,8 @@ use std::process::{Command, Output};
 use landfall_lint::LINTS;
 use landfall_lint::render::read_json;
 
-const README: &str = include_str!("../../README.md");
+const CI: &str = include_str!("../../docs/src/ci.md");
+const LINT_TABLE: &str = include_str!("../../docs/src/lints.md");
 const HOOKS: &str = include_str!("../../.pre-commit-hooks.yaml");
 
 /// The command lines of landfall in the examples of a text.
@@ -21,11 +22,9 @@ fn commands(text: &str) -> Vec<String> {
     text.lines().filter_map(command).collect()
 }
 
-/// Those in the fences of the README's section.
+/// Those in the fences of the book's page.
 fn examples() -> Vec<String> {
-    let section = README.split("\n## In CI\n").nth(1).expect("the README has the section");
-    let section = section.split("\n## ").next().expect("it ends");
-    let fences = section.split("```").skip(1).step_by(2);
+    let fences = CI.split("```").skip(1).step_by(2);
     fences.flat_map(commands).collect()
 }
 
@@ -99,10 +98,10 @@ fn every_hook_succeeds_and_fails_when_a_layout_drifts() {
 }
 
 #[test]
-fn the_readme_lists_every_lint() {
+fn the_book_lists_every_lint() {
     let row = |code: &str, level: &str, what: &str| format!("| `{code}` | {level} | {what} |\n");
     let rows: Vec<String> =
         LINTS.iter().map(|lint| row(lint.code, lint.level.name(), lint.what)).collect();
     let table = format!("| lint | level | |\n|---|---|---|\n{}", rows.concat());
-    assert!(README.contains(&table), "the table is:\n\n{table}");
+    assert!(LINT_TABLE.contains(&table), "the table is:\n\n{table}");
 }

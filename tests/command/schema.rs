@@ -245,7 +245,7 @@ fn scenes_keep_to_their_schema_and_wrong_ones_do_not() {
         let mut value = holds(&validator, &text, &path.display().to_string());
         assert!(text.ends_with('\n'));
         // Editors find the schema by it.
-        assert_eq!(value["$schema"], "../../src/emit/schema/scene.json");
+        assert_eq!(value["$schema"], "../../src/report/schema/scene.json");
         value["camera"]["fow"] = 45.into();
         assert!(!validator.is_valid(&value));
         seen += 1;

@@ -11,6 +11,7 @@
 //! name. The full path of a leaf is found fastest.
 //!
 //! ```
+//! # extern crate landfall_layout as landfall;
 //! use landfall::{Buffer, Options, Source, layout};
 //!
 //! let text = "struct Light { vec3 pos; vec3 color; float intensity; };

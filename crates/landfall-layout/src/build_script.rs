@@ -19,6 +19,7 @@ use crate::{Options, ShaderLayout, layout};
 /// What a build script makes of its shaders.
 ///
 /// ```no_run
+/// # extern crate landfall_layout as landfall;
 /// fn main() -> Result<(), landfall::BuildError> {
 ///     landfall::Build::new()
 ///         .shader("shaders/lights.frag")

@@ -29,6 +29,13 @@ pub use paint::Paint;
 use crate::ShaderLayout;
 use crate::diagnostic::Diagnostic;
 
+/// Name of the tool in its products, whichever of its crates writes them.
+pub const NAME: &str = "landfall";
+
+/// The tool in one sentence.
+pub const DESCRIPTION: &str =
+    "Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks";
+
 /// Version of the JSON output; a change that could break a reader raises it.
 pub const SCHEMA_VERSION: u32 = 1;
 

@@ -8,20 +8,25 @@ pub mod diff;
 pub mod error;
 #[cfg(test)]
 pub(crate) mod examples;
+#[doc(hidden)]
 pub mod file;
 pub mod finding;
 pub mod format;
 pub mod layout;
 pub mod lock;
+#[doc(hidden)]
 #[cfg(feature = "naga")]
 pub mod naga_compare;
+#[doc(hidden)]
 #[cfg(feature = "naga")]
 pub mod naga_front;
 pub mod port;
 mod shader;
 pub mod shape;
 pub mod source;
+#[doc(hidden)]
 pub mod syntax;
+#[doc(hidden)]
 pub mod text;
 
 pub use buffer::{Buffer, BufferError};

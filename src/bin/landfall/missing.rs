@@ -28,3 +28,24 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         kind: ErrorKind::Other,
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::args::Args;
+
+    #[test]
+    fn every_missing_command_names_the_feature_that_brings_it() {
+        for name in ["verify", "run", "stress", "render", "bench", "devices"] {
+            let args =
+                Args::parse_from(["landfall", name, "a.frag", "--backend", "gpu", "-f=json"]);
+            let Err(Failure::Error(error)) = run(&args.command) else {
+                panic!("{name} ran");
+            };
+            assert_eq!(error.path, name);
+            assert!(error.help.is_some_and(|help| help.contains("--features full")), "{name}");
+        }
+    }
+}

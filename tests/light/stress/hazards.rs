@@ -1,6 +1,6 @@
 //! Every hazard of the table, where it is and where it is not.
 
-use std::time::Instant;
+use landfall_exec::processor::Stopwatch;
 
 use landfall_ir::analysis::hazard::Hazard;
 
@@ -8,7 +8,7 @@ use super::{all, domain, line, request, run, shader};
 
 /// The hazards of a function: its number, and a part of the line it is in.
 fn meets(path: &str, function: &str, hazards: &[(&str, &str)]) {
-    let began = Instant::now();
+    let began = Stopwatch::start();
     let report = run(&shader(path), &request(function));
     let seconds = began.elapsed().as_secs_f64();
     for (id, text) in hazards {

@@ -31,7 +31,7 @@ pub fn cpu() -> Found {
     let device = Device {
         reader: BackendKind::Cpu,
         adapter: "evaluator".to_string(),
-        driver: env!("CARGO_PKG_NAME").to_string(),
+        driver: landfall_layout::format::NAME.to_string(),
         version: env!("CARGO_PKG_VERSION").to_string(),
         software: true,
     };

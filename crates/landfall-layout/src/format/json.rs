@@ -23,8 +23,7 @@ pub struct Tool {
 
 impl Tool {
     /// This program and its version.
-    pub const LANDFALL: Tool =
-        Tool { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") };
+    pub const LANDFALL: Tool = Tool { name: super::NAME, version: env!("CARGO_PKG_VERSION") };
 }
 
 /// Everything before the first shader.

@@ -31,10 +31,10 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
         "version": "2.1.0",
         "runs": [{
             "tool": {"driver": {
-                "name": env!("CARGO_PKG_NAME"),
+                "name": landfall_layout::format::NAME,
                 "version": env!("CARGO_PKG_VERSION"),
                 "semanticVersion": env!("CARGO_PKG_VERSION"),
-                "shortDescription": plain(env!("CARGO_PKG_DESCRIPTION")),
+                "shortDescription": plain(landfall_layout::format::DESCRIPTION),
                 "rules": rules.objects(),
             }},
             "columnKind": "unicodeCodePoints",

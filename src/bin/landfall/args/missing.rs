@@ -5,6 +5,7 @@ use std::ffi::OsString;
 
 /// Whatever follows the command.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Not in this build: cargo install landfall --features full")]
 pub struct MissingArgs {
     #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,

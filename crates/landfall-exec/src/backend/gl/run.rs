@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
 
-use std::time::Instant;
+use crate::processor::Stopwatch;
 
 use glow::HasContext as _;
 
@@ -35,7 +35,7 @@ pub(super) fn run(
     job: &Job,
     texts: &[(Stage, &str)],
 ) -> Result<Answer, Failure> {
-    let begun = Instant::now();
+    let begun = Stopwatch::start();
     check(context, &job.resources)?;
     stages_fit(context, job.grid, texts)?;
     let _ = (context.said(), errors(context));

@@ -8,6 +8,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::processor::Stopwatch;
+
 use super::Launch;
 use super::frame::Frame;
 use crate::backend::Failure;
@@ -103,12 +105,18 @@ impl Process {
 
     /// The next reply, if it comes within the limit.
     pub(super) fn receive(&mut self, limit: Duration) -> Result<Frame, Failure> {
-        match self.from.recv_timeout(limit) {
-            Ok(Ok(Some(frame))) => Ok(frame),
-            Err(RecvTimeoutError::Timeout) => {
-                Err(Failure { log: self.last_words(), ..Failure::timed_out(limit) })
+        let clock = Stopwatch::start_of(self.child.id());
+        loop {
+            match self.from.recv_timeout(limit.saturating_sub(clock.elapsed())) {
+                Ok(Ok(Some(frame))) => return Ok(frame),
+                Err(RecvTimeoutError::Timeout) if clock.elapsed() < limit => {}
+                Err(RecvTimeoutError::Timeout) => {
+                    return Err(Failure { log: self.last_words(), ..Failure::timed_out(limit) });
+                }
+                Ok(Ok(None) | Err(_)) | Err(RecvTimeoutError::Disconnected) => {
+                    return Err(self.death());
+                }
             }
-            Ok(Ok(None) | Err(_)) | Err(RecvTimeoutError::Disconnected) => Err(self.death()),
         }
     }
 

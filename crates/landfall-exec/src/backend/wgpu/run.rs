@@ -1,7 +1,7 @@
 //! One job on one device: buffers filled, run, read back.
 
+use crate::processor::Stopwatch;
 use std::num::NonZeroU64;
-use std::time::Instant;
 
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
@@ -25,7 +25,7 @@ pub(super) fn run(
     job: &Job,
     timestamps: Option<&Timestamps>,
 ) -> Result<Answer, Failure> {
-    let begun = Instant::now();
+    let begun = Stopwatch::start();
     open.alive()?;
     check(open, limits, job)?;
     let pipeline = pipelines.get(open, job)?;
@@ -41,13 +41,16 @@ pub(super) fn run(
         timestamps.into_iter().for_each(Timestamps::map);
         Ok((things, back))
     })?;
-    let left = job.limit.saturating_sub(begun.elapsed());
-    let waited = open.device.poll(PollType::Wait { submission_index: None, timeout: Some(left) });
-    match waited {
-        Ok(_) => {}
-        Err(PollError::Timeout) => return Err(Failure::timed_out(job.limit)),
-        Err(cause @ PollError::WrongSubmissionIndex(..)) => {
-            return Err(Failure::died("the device does not know the job", cause.to_string()));
+    loop {
+        let left = job.limit.saturating_sub(begun.elapsed());
+        let wait = PollType::Wait { submission_index: None, timeout: Some(left) };
+        match open.device.poll(wait) {
+            Ok(_) => break,
+            Err(PollError::Timeout) if begun.elapsed() < job.limit => {}
+            Err(PollError::Timeout) => return Err(Failure::timed_out(job.limit)),
+            Err(cause @ PollError::WrongSubmissionIndex(..)) => {
+                return Err(Failure::died("the device does not know the job", cause.to_string()));
+            }
         }
     }
     open.alive()?;
