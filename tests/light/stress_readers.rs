@@ -11,7 +11,7 @@ use std::process::{Command, Output};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use landfall_exec::backend::{Answer, Device, Failure, Job, Reader};
+use landfall_exec::backend::{Answer, BackendKind, Device, Failure, Job, Reader};
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_exec::interp::Cpu;
 use landfall_layout::finding::Level;
@@ -44,7 +44,7 @@ fn line(text: &str, domain: &str) -> Report {
 
 /// Both drivers, each of which ran all that the evaluator ran.
 fn both(report: &Report) -> &[ReaderReport] {
-    let names: Vec<&str> = report.readers.iter().map(|reader| reader.reader).collect();
+    let names: Vec<&str> = report.readers.iter().map(|reader| reader.reader.name()).collect();
     assert_eq!(names, ["gl", "gpu"]);
     for reader in &report.readers {
         assert_eq!(reader.failure, None, "{}", reader.reader);
@@ -176,7 +176,11 @@ struct Faulty {
 
 fn faulty(fault: Fault) -> Box<dyn Reader> {
     let cpu = Cpu::default();
-    let device = Device { reader: "gpu", adapter: "bad luck".to_string(), ..cpu.device().clone() };
+    let device = Device {
+        reader: BackendKind::Gpu,
+        adapter: "bad luck".to_string(),
+        ..cpu.device().clone()
+    };
     Box::new(Faulty { fault, jobs: 0, cpu, device })
 }
 

@@ -14,7 +14,7 @@ use landfall_ir::Module;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::port::{PortOptions, port};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Rules};
-use landfall_layout::source::{Language, ReadOptions, Runs, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Language, ReadOptions, Source, Stage};
 pub use landfall_layout::syntax::glsl::raw;
 use landfall_layout::{Diagnostic, Options, layout};
 
@@ -29,7 +29,7 @@ pub(super) struct Need<'a> {
     /// Which buffer of an array of blocks.
     pub element: &'a [u32],
     pub plan: &'a Plan,
-    pub stage: Runs,
+    pub stage: ExecutableStage,
     /// Whether the shader may write the block.
     pub writable: bool,
     pub options: &'a VerifyOptions,
@@ -74,8 +74,8 @@ pub(super) fn fits(
     source: &Source,
     block: &BlockLayout,
     stage: Stage,
-) -> Result<Runs, String> {
-    let Some(runs) = Runs::of(stage) else {
+) -> Result<ExecutableStage, String> {
+    let Some(runs) = ExecutableStage::of(stage) else {
         return Err(format!("probes run in no {} stage", stage.name()));
     };
     if reader != BackendKind::Gl {
@@ -128,12 +128,12 @@ fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure>
     let name = gl_name(&need.block.name, need.element);
     let probe = stage_code(need.stage.into(), "main", None, Some(without(text, "set")));
     let stages = match need.stage {
-        Runs::Vertex => vec![probe, fragment(need, source)?],
-        Runs::Fragment => {
+        ExecutableStage::Vertex => vec![probe, fragment(need, source)?],
+        ExecutableStage::Fragment => {
             let vertex = partner::vertex(source, &need.options.layout.read);
             vec![stage_code(Stage::Vertex, "main", None, Some(vertex)), probe]
         }
-        Runs::Compute => vec![probe],
+        ExecutableStage::Compute => vec![probe],
     };
     Ok(Code {
         stages,
@@ -226,7 +226,7 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
         binding: results.binding,
     };
     let mut stages = vec![stage_code(need.stage.into(), entry, Some(Arc::new(module)), None)];
-    if need.stage == Runs::Vertex {
+    if need.stage == ExecutableStage::Vertex {
         stages.push(fragment(need, need.source)?);
     }
     Ok(Code { stages, block, results, writable: need.writable })

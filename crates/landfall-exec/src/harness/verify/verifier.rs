@@ -17,7 +17,7 @@ use crate::harness::probe::{Got, Sighting, cause, judge, words};
 use landfall_layout::buffer::Buffer;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
-use landfall_layout::source::{Runs, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Source, Stage};
 
 /// Buffers of one dimension of an array of blocks that are bound at most.
 const MOST_BUFFERS: u32 = 64;
@@ -212,7 +212,7 @@ impl Verifier<'_> {
     fn run(
         &self,
         reader: &mut dyn Reader,
-        stage: Runs,
+        stage: ExecutableStage,
         element: &[u32],
         plan: &Plan,
         buffer: u64,
@@ -247,7 +247,7 @@ impl Verifier<'_> {
         &self,
         reader: &mut dyn Reader,
         code: &Code,
-        stage: Runs,
+        stage: ExecutableStage,
         plan: &Plan,
         bytes: Vec<u8>,
     ) -> Result<Words, Failure> {
