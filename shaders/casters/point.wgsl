@@ -93,7 +93,7 @@ fn highlight(toLight: vec3f, normal: vec3f, viewDir: vec3f, shininess: f32) -> f
 
 // 1 / (constant + linear d + quadratic d^2), kept finite when nothing has been set yet.
 fn attenuation(constant: f32, linear: f32, quadratic: f32, d: f32) -> f32 {
-    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-4);
 }
 
 // What the light adds. The ambient term is weakened too, so that many such lights do not

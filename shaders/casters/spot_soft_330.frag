@@ -73,7 +73,7 @@ float highlight(vec3 toLight, vec3 normal, vec3 viewDir, float shininess) {
 
 // 1 / (constant + linear d + quadratic d^2), kept finite when nothing has been set yet.
 float attenuation(float constant, float linear, float quadratic, float d) {
-    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-4);
 }
 
 // 边缘系数，0 到 1。用弦长求 1 - cos：锥角很小时两个余弦都接近 1，直接相减会丢掉有效数字。

@@ -115,7 +115,7 @@ fn highlight(light_dir: vec3f, normal: vec3f, view_dir: vec3f, shininess: f32) -
 
 // 1 / (constant + linear d + quadratic d^2), kept finite when nothing has been set yet.
 fn attenuation(constant: f32, linear: f32, quadratic: f32, d: f32) -> f32 {
-    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-4);
 }
 
 // What one directional light adds: no distance, so no attenuation.

@@ -86,7 +86,7 @@ float highlight(vec3 light_dir, vec3 normal, vec3 view_dir, float shininess) {
 // 1 / (constant + linear d + quadratic d^2). A light whose coefficients were never set
 // would divide by zero; the floor keeps its black colour black.
 float attenuation(float constant, float linear, float quadratic, float d) {
-    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-4);
 }
 
 // What one point light adds. `normal` and `view_dir` are unit vectors away from the surface.

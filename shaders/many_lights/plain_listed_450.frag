@@ -141,7 +141,7 @@ float highlight(vec3 toLight, vec3 normal, vec3 viewDir, float shininess) {
 
 // 1 / (constant + linear d + quadratic d^2), kept finite when nothing has been set yet.
 float attenuation(float constant, float linear, float quadratic, float d) {
-    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-4);
 }
 
 // 1 inside the inner cone, 0 outside the outer one; 1 - cos is taken from the chord.

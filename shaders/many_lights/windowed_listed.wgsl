@@ -146,7 +146,7 @@ fn highlight(toLight: vec3f, normal: vec3f, viewDir: vec3f, shininess: f32) -> f
 
 // 1 / (constant + linear d + quadratic d^2), kept finite when nothing has been set yet.
 fn attenuation(constant: f32, linear: f32, quadratic: f32, d: f32) -> f32 {
-    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-4);
 }
 
 // 1 inside the inner cone, 0 outside the outer one; 1 - cos is taken from the chord.

@@ -149,7 +149,7 @@ fn highlight(toLight: vec3f, normal: vec3f, viewDir: vec3f, shininess: f32) -> f
 
 // Horner's form: no d * d that could overflow before it is scaled down.
 fn attenuation(constant: f32, linear: f32, quadratic: f32, d: f32) -> f32 {
-    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-4);
 }
 
 // 1 inside the inner cone, 0 outside the outer one; 1 - cos is taken from the chord.

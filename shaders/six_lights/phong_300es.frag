@@ -95,7 +95,7 @@ highp float highlight(highp vec3 toLight, highp vec3 normal, highp vec3 viewDir,
 }
 
 highp float attenuation(highp float constant, highp float linear, highp float quadratic, highp float d) {
-    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + quadratic * d), 1.0e-4);
 }
 
 highp float cone(highp vec3 toLight, highp vec3 direction, highp float cutOff, highp float outerCutOff) {

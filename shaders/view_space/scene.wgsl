@@ -105,7 +105,7 @@ fn highlight(toLight: vec3f, normal: vec3f, toEye: vec3f) -> f32 {
 
 // 1 / (constant + linear d + exponent d^2), kept finite when nothing has been set yet.
 fn attenuation(constant: f32, linear: f32, exponent: f32, d: f32) -> f32 {
-    return 1.0 / max(constant + d * (linear + exponent * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + exponent * d), 1.0e-4);
 }
 
 // 1 on the axis, falling to 0 at the cone, linear in the cosine.

@@ -91,7 +91,7 @@ float highlight(vec3 toLight, vec3 normal, vec3 toEye)
 // 1 / (constant + linear d + exponent d^2), kept finite when nothing has been set yet.
 float attenuation(float constant, float linear, float exponent, float d)
 {
-    return 1.0 / max(constant + d * (linear + exponent * d), 1.0e-6);
+    return 1.0 / max(constant + d * (linear + exponent * d), 1.0e-4);
 }
 
 // 1 on the axis, falling to 0 at the cone, linear in the cosine.

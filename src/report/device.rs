@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use landfall_exec::backend::Device;
+use landfall_exec::backend::{BackendKind, Device};
 
 /// A reader and what it ran on.
 #[derive(Serialize)]
@@ -25,9 +25,9 @@ pub(super) struct JsonAsked<'a> {
 }
 
 impl<'a> JsonAsked<'a> {
-    pub(super) fn new(reader: &'a str, device: Option<&'a Device>) -> JsonAsked<'a> {
+    pub(super) fn new(reader: BackendKind, device: Option<&'a Device>) -> JsonAsked<'a> {
         JsonAsked {
-            reader,
+            reader: reader.name(),
             adapter: device.map(|device| device.adapter.as_str()),
             driver: device.map(|device| device.driver.as_str()),
             version: device.map(|device| device.version.as_str()),
@@ -39,7 +39,7 @@ impl<'a> JsonAsked<'a> {
 impl<'a> From<&'a Device> for JsonDevice<'a> {
     fn from(device: &'a Device) -> JsonDevice<'a> {
         JsonDevice {
-            reader: device.reader,
+            reader: device.reader.name(),
             adapter: &device.adapter,
             driver: &device.driver,
             version: &device.version,

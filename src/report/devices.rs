@@ -43,7 +43,7 @@ pub fn table(found: &[Found], paint: Paint) -> String {
             }
         }
     }
-    for (found, width) in found.iter().flat_map(|f| [(f.reader, 0), (f.kind.as_str(), 1)]) {
+    for (found, width) in found.iter().flat_map(|f| [(f.reader.name(), 0), (f.kind.as_str(), 1)]) {
         widths[width] = widths[width].max(found.width());
     }
     let mut text = columns::row(&TITLES.map(String::from), &widths, NUMBERS, |_, cell| {
@@ -57,7 +57,7 @@ pub fn table(found: &[Found], paint: Paint) -> String {
                 }));
             }
             Row::Missing(failure) => {
-                let start = [found.reader, found.kind.as_str()].map(String::from);
+                let start = [found.reader.name(), found.kind.as_str()].map(String::from);
                 let mut start =
                     columns::row(&start, &widths, NUMBERS, |_, cell| paint.text(PLAIN, cell));
                 start.truncate(start.trim_end().len());
@@ -167,24 +167,26 @@ impl Entry<'_> {
             Err(failure) => Outcome::Missing { message: &failure.message, log: &failure.log },
         };
         let kind = Some(found.kind.as_str()).filter(|kind| !kind.is_empty());
-        Entry { reader: found.reader, kind, available: found.outcome.is_ok(), outcome }
+        Entry { reader: found.reader.name(), kind, available: found.outcome.is_ok(), outcome }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use landfall_exec::backend::BackendKind;
+
     use super::*;
     use landfall_exec::backend::devices::cpu;
 
     #[test]
     fn columns_line_up_and_what_is_missing_says_why() {
         let missing = |kind: &str| Found {
-            reader: "gpu",
+            reader: BackendKind::Gpu,
             kind: kind.to_string(),
             outcome: Err(Failure::missing("no Vulkan adapter", "loader: nothing\n")),
         };
         let mut gl = cpu();
-        (gl.reader, gl.kind) = ("gl", "compat 4.5".to_string());
+        (gl.reader, gl.kind) = (BackendKind::Gl, "compat 4.5".to_string());
         if let Ok((_, limits)) = &mut gl.outcome {
             limits.uniform_block_size = Some(65536);
         }

@@ -206,7 +206,7 @@ fn hazards(found: &[Found], files: &Files, paint: Paint) -> String {
         let finding = &hazard.finding;
         let labels = [Label { span: hazard.span, text: finding.text.clone() }];
         let mut notes = finding.notes.clone();
-        notes.push(format!("{}, {}", hazard.id, hazard.certainty.name()));
+        notes.push(format!("{}, {}", hazard.hazard.code(), hazard.certainty.name()));
         text.push_str(&pen.draw(Drawing {
             severity: Severity::Warning,
             code: &finding.code,

@@ -10,6 +10,7 @@ use super::compare;
 use super::device::JsonDevice;
 use super::verify::about;
 use landfall_exec::backend::Device;
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
@@ -82,10 +83,11 @@ impl Compared {
         let undefined = truth.undefined.iter().map(|(undef, count)| {
             let said = undef.to_string();
             let said = said.split_once(": ").map_or(said.clone(), |(_, said)| said.to_string());
-            (undef.hazard().to_string(), said, *count)
+            (undef.hazard().code().to_string(), said, *count)
         });
         let edge = "within rounding of a cone's edge".to_string();
-        let edges = (truth.at_edges > 0).then(|| ("H17".to_string(), edge, truth.at_edges));
+        let edges = (truth.at_edges > 0)
+            .then(|| (Hazard::ConeEdge.code().to_string(), edge, truth.at_edges));
         undefined.chain(edges).collect()
     }
 }
@@ -100,7 +102,7 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         let _ = writeln!(text, "  {} {said}", paint.text(HEADING, &format!("{name:<11}")));
     };
     if let Some(device) = &report.device {
-        row(device.reader, &paint.text(PLAIN, &about(device)));
+        row(device.reader.name(), &paint.text(PLAIN, &about(device)));
     }
     row("picture", &format!("{width} by {height}, {} fragments", report.fragments));
     let [directional, point, spot] = report.lights;

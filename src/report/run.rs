@@ -45,7 +45,7 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
     let _ = writeln!(
         text,
         "  {}  {}",
-        paint.text(HEADING, report.reader.reader),
+        paint.text(HEADING, report.reader.reader.name()),
         paint.text(PLAIN, &about(&report.reader))
     );
     let mut rows = Vec::new();

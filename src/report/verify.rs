@@ -132,7 +132,7 @@ fn verdict(reader: &ReaderReport, paint: Paint) -> String {
         Outcome::Failed => (CAUTION, "could not run it".to_string()),
         Outcome::Skipped => (FAINT, "–".to_string()),
     };
-    format!("{} {}", paint.text(FAINT, reader.reader), paint.text(style, &words))
+    format!("{} {}", paint.text(FAINT, reader.reader.name()), paint.text(style, &words))
 }
 
 fn details(reader: &ReaderReport, paint: Paint, text: &mut String) {
@@ -140,7 +140,7 @@ fn details(reader: &ReaderReport, paint: Paint, text: &mut String) {
         Outcome::Confirmed => {}
         Outcome::Skipped | Outcome::Failed => {
             let reason = reader.reason.as_deref().unwrap_or("no reason given");
-            let _ = writeln!(text, "    {}: {reason}", reader.reader);
+            let _ = writeln!(text, "    {}: {reason}", reader.reader.name());
             for line in reader.log.lines().filter(|l| !l.trim().is_empty()).take(MOST_LOG) {
                 let _ = writeln!(text, "    {}", paint.text(FAINT, &format!("| {line}")));
             }
@@ -175,7 +175,7 @@ fn elsewhere(
         let _ = writeln!(
             text,
             "      {} {}{pad}  {saw}, expected {}  {}",
-            reader.reader,
+            reader.reader.name(),
             read.path,
             read.expected_byte,
             paint.text(FAINT, read.way),
@@ -290,7 +290,7 @@ impl<'a> ReaderObject<'a> {
         let (asked, missing) = match attendance {
             Attendance::Here(device) => (JsonAsked::new(device.reader, Some(device)), None),
             Attendance::Missing { reader, failure } => {
-                (JsonAsked::new(reader, None), Some(failure.message.as_str()))
+                (JsonAsked::new(*reader, None), Some(failure.message.as_str()))
             }
         };
         ReaderObject { asked, missing }

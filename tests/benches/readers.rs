@@ -75,7 +75,7 @@ fn readers() -> Vec<Measured> {
         Box::new(Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"))),
     ];
     let measured = all.map(|inner| {
-        let (name, jobs) = (inner.device().reader, Arc::new(AtomicUsize::new(0)));
+        let (name, jobs) = (inner.device().reader.name(), Arc::new(AtomicUsize::new(0)));
         let counting = Counting { inner, jobs: Arc::clone(&jobs) };
         let times = Vec::new();
         Measured { reader: [Box::new(counting)], name, jobs, reads: 0, others: 0, times }

@@ -63,7 +63,7 @@ fn module(family: &Family) -> Arc<Module> {
 /// The results of all cases by one reader; none where it does not take the family's language.
 fn run(reader: &mut dyn Reader, family: &Family, module: &Arc<Module>) -> Option<Vec<u32>> {
     let glsl = (family.dialect == Dialect::Glsl).then(|| family.text());
-    if reader.device().reader == "gl" && glsl.is_none() {
+    if reader.device().reader.name() == "gl" && glsl.is_none() {
         return None;
     }
     let stage = StageCode {
@@ -137,7 +137,7 @@ fn every_builtin_is_within_what_is_permitted() {
         let mut verdict = Verdict::default();
         for (family, module) in families.iter().zip(&modules) {
             if let Some(got) = run(&mut **reader, family, module) {
-                judge(&mut verdict, family, &got, device.reader == "cpu");
+                judge(&mut verdict, family, &got, device.reader.name() == "cpu");
             }
         }
         let known = known_faults(&device);
@@ -155,7 +155,7 @@ fn every_builtin_is_within_what_is_permitted() {
             found.push(format!("{} {case}: mended, no longer a known fault", name(&device)));
         }
         measured.push(Measured {
-            reader: device.reader,
+            reader: device.reader.name(),
             device: name(&device),
             cases: verdict.largest,
         });

@@ -67,8 +67,8 @@ fn each(
     let columns = columns(pure, lanes, 5);
     with_readers(|readers| {
         let mut asked = 0;
-        for reader in readers.iter_mut().filter(|r| names.contains(&r.device().reader)) {
-            let name = reader.device().reader;
+        for reader in readers.iter_mut().filter(|r| names.contains(&r.device().reader.name())) {
+            let name = reader.device().reader.name();
             let called = on(reader.as_mut(), pure, &columns, lanes);
             let called = called.unwrap_or_else(|failure| panic!("{name}: {failure}"));
             for result in &called.results {
@@ -357,7 +357,10 @@ struct B { turn: mat2x2f, n: u32 }
         }
     });
     with_readers(|readers| {
-        let gl = readers.iter().find(|reader| reader.device().reader == "gl").expect("it is here");
+        let gl = readers
+            .iter()
+            .find(|reader| reader.device().reader.name() == "gl")
+            .expect("it is here");
         let refused = pure.on(gl.device()).expect_err("OpenGL has no WGSL");
         assert!(refused.message.contains("OpenGL takes no WGSL"), "{refused}");
     });
@@ -381,8 +384,8 @@ fn f(a: f16, b: vec2<f16>, c: u64, d: i64) -> f16 { return a * 2.0h + b.y; }
         vec![1; lanes],
     ];
     with_readers(|readers| {
-        for reader in readers.iter_mut().filter(|reader| reader.device().reader != "gl") {
-            let name = reader.device().reader;
+        for reader in readers.iter_mut().filter(|reader| reader.device().reader.name() != "gl") {
+            let name = reader.device().reader.name();
             let called = on(reader.as_mut(), &pure, &columns, lanes);
             let called = called.unwrap_or_else(|failure| panic!("{name}: {failure}"));
             for (lane, back) in called.results[0][0].iter().enumerate() {
@@ -405,7 +408,7 @@ void main() {}
     assert!(words, "it is given by member: {:?}", pure.parameters);
     with_readers(|readers| {
         for reader in readers.iter_mut() {
-            let name = reader.device().reader;
+            let name = reader.device().reader.name();
             let columns = columns(&pure, 10, 1);
             match (name, on(reader.as_mut(), &pure, &columns, 10)) {
                 ("gl", Err(failure)) => {
@@ -440,7 +443,7 @@ fn a_light_of_a_seed_shader_is_what_the_evaluator_makes_of_it() {
     let truth = pure.call(&columns, lanes, &settings).expect("it runs");
     with_readers(|readers| {
         for reader in readers {
-            let name = reader.device().reader;
+            let name = reader.device().reader.name();
             let called = on(reader.as_mut(), &pure, &columns, lanes);
             let called = called.unwrap_or_else(|failure| panic!("{name}: {failure}"));
             let (mut lit, mut far) = (0, 0);
@@ -461,7 +464,8 @@ fn a_light_of_a_seed_shader_is_what_the_evaluator_makes_of_it() {
 /// What one call gives, by the reader of that name.
 fn called(reader: &str, path: &str, text: &str, request: &Request) -> Vec<f32> {
     with_readers(|readers| {
-        let reader = readers.iter_mut().find(|r| r.device().reader == reader).expect("it is here");
+        let reader =
+            readers.iter_mut().find(|r| r.device().reader.name() == reader).expect("it is here");
         let source = Source::new(path, text);
         let report = call(&source, &Options::default(), request, Some(reader.as_mut()));
         let report = report.unwrap_or_else(|refusal| panic!("{path}: {:?}", refusal.found));
@@ -535,7 +539,7 @@ fn derivatives_are_refused_where_every_pixel_would_write_a_buffer() {
     let text = "#version 450\nlayout(binding = 0) buffer B { int n; };\n\
                 float f(float a) { n = 1; return dFdx(a); }\nvoid main() {}\n";
     with_readers(|readers| {
-        for reader in readers.iter_mut().filter(|reader| reader.device().reader != "cpu") {
+        for reader in readers.iter_mut().filter(|reader| reader.device().reader.name() != "cpu") {
             let source = Source::new("counts.frag", text);
             let data = json!({"B": {"n": 2}}).as_object().expect("an object").clone();
             let given = Request { data, ..request("f", json!([1])) };
@@ -559,7 +563,8 @@ fn a_binding_next_to_the_last_leaves_room_for_the_words() {
     // wgpu has 1024 in a group at most.
     assert_eq!(called("gpu", "late.frag", &text(1000), &request), [5.0]);
     with_readers(|readers| {
-        let gpu = readers.iter_mut().find(|r| r.device().reader == "gpu").expect("it is here");
+        let gpu =
+            readers.iter_mut().find(|r| r.device().reader.name() == "gpu").expect("it is here");
         let source = Source::new("last.frag", text(u32::MAX));
         let report = call(&source, &Options::default(), &request, Some(gpu.as_mut()));
         let found = report.expect_err("wgpu has no such binding").found;

@@ -149,7 +149,7 @@ fn wrong(block: &str, bytes: &[u8]) -> Vec<(&'static str, Vec<&'static str>)> {
         let words = seen.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap()));
         let members = words.zip(written()).zip(READS);
         let wrong = members.filter(|((seen, written), _)| seen != written);
-        found.push((reader.device().reader, wrong.map(|(_, (name, _))| *name).collect()));
+        found.push((reader.device().reader.name(), wrong.map(|(_, (name, _))| *name).collect()));
     }
     found
 }

@@ -150,7 +150,7 @@ layout(std430, binding = 1) buffer Got { float got[]; };\n",
         Box::new(Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"))),
     ];
     for reader in &mut readers {
-        let name = reader.device().reader;
+        let name = reader.device().reader.name();
         let mut stage = jobs::module(Stage::Compute, "main", &module);
         stage.glsl = Some(text.clone());
         let kind = ResourceKind::Storage { bytes: jobs::bytes(&given), writable: false };

@@ -82,7 +82,7 @@ fn random_blocks_are_confirmed(seeds: std::ops::Range<u64>) {
                 (reader.outcome, reader.stage),
                 (Outcome::Confirmed, stage.name()),
                 "seed {seed}, {block}, {}: {:?}\n{}\n{:#?}\n{text}",
-                reader.reader,
+                reader.reader.name(),
                 reader.reason,
                 reader.log,
                 reader
@@ -145,7 +145,7 @@ fn caught(report: &ShaderReport) -> Vec<(String, String)> {
         leaves.sort();
         leaves.dedup();
         assert_eq!(reader.outcome == Outcome::Disagrees, !leaves.is_empty());
-        all.push((reader.reader, leaves));
+        all.push((reader.reader.name(), leaves));
     }
     assert_eq!(all.len(), 3, "every reader ran");
     for (reader, leaves) in &all {
@@ -241,7 +241,7 @@ fn a_driver_that_reads_by_its_own_rules_is_told_apart() {
                 void main() {}\n";
     let source = Source::new("shared.frag", text);
     let report = verified(&source, &VerifyOptions::default());
-    let (_, gl) = each(&report).find(|(_, reader)| reader.reader == "gl").expect("gl ran");
+    let (_, gl) = each(&report).find(|(_, reader)| reader.reader.name() == "gl").expect("gl ran");
     assert_eq!(gl.outcome, Outcome::Disagrees);
     let [cause] = &gl.causes[..] else { panic!("{:?}", gl.causes) };
     assert_eq!(cause.leaf, "b[]");
@@ -268,7 +268,8 @@ fn nagas_own_offsets_are_caught() {
         let source = Source::new(name, text);
         let report = verified(&source, &VerifyOptions { naga: true, ..VerifyOptions::default() });
         for reader in ["cpu", "gpu"] {
-            let seen = each(&report).find(|(_, seen)| seen.reader == reader).expect("it ran").1;
+            let seen =
+                each(&report).find(|(_, seen)| seen.reader.name() == reader).expect("it ran").1;
             assert_eq!(seen.outcome, Outcome::Disagrees, "{name} {reader}: {:?}", seen.reason);
             // A structure starts at a multiple of 16 in std140, and `@align(16)` says as much.
             let read = seen
@@ -293,12 +294,12 @@ fn every_leaf_of_our_shaders_is_confirmed() {
         let source = Source::read(&path).expect("a shader of ours is text");
         let report = verified(&source, &VerifyOptions::default());
         for (block, reader) in each(&report) {
-            let name = format!("{} {block} {}", source.path, reader.reader);
+            let name = format!("{} {block} {}", source.path, reader.reader.name());
             match reader.outcome {
                 Outcome::Confirmed => {}
                 Outcome::Skipped => {
                     let reason = reader.reason.as_deref().unwrap_or_default();
-                    assert!(is_known(&source, reader.reader, reason), "{name}: {reason}");
+                    assert!(is_known(&source, reader.reader.name(), reason), "{name}: {reason}");
                 }
                 Outcome::Disagrees => {
                     // The driver's own rules, as the shader's own comment says.

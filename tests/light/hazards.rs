@@ -26,6 +26,7 @@ mod calls;
 mod host;
 use crate::support::readers;
 mod scenes;
+mod thresholds;
 
 use std::fs;
 use std::path::Path;

@@ -32,7 +32,7 @@ fn lights_agree_with_80_digits_to_1e_12_and_hazards_are_tags() {
             let got = shade(&p.model, &p.upload, &p.fragment, &p.texels);
             if line.starts_with('H') {
                 let tag = got.expect_err(line);
-                assert_eq!(tag.hazard(), line, "point {number} of {name}: {tag}");
+                assert_eq!(label(tag), line, "point {number} of {name}: {tag}");
                 tags.insert(tag);
                 continue;
             }
@@ -273,4 +273,15 @@ fn a_normal_of_four_components_bends_with_the_distance() {
     assert_eq!(flat, Err(Undef::NotFinite));
     let zero = view_normal(&glam::DMat4::IDENTITY, DVec3::ZERO, NormalTransform::Vec4);
     assert_eq!(zero, Err(Undef::ZeroVector));
+}
+
+/// What points.py calls the tag: it has one label for vectors that are zero, one for powers that
+/// are undefined whatever their base, and one for what the host should refuse.
+fn label(tag: Undef) -> &'static str {
+    match tag {
+        Undef::NoHalfVector => "H1",
+        Undef::ZeroToNegative => "H10",
+        Undef::NotFinite => "H24",
+        tag => tag.hazard().info().label.expect("a hazard of lighting"),
+    }
 }

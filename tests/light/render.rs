@@ -66,7 +66,7 @@ impl Made {
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
         let rendered = renderer.render(reader, &self.work(), &draws, &mut |_, _| {});
-        rendered.unwrap_or_else(|error| panic!("{}: {error}", reader.device().reader))
+        rendered.unwrap_or_else(|error| panic!("{}: {error}", reader.device().reader.name()))
     }
 
     fn truth(&self, model: &Model) -> Truth {
@@ -82,7 +82,7 @@ fn held(rendered: &Rendered, truth: &Truth) -> Comparison {
 
 /// The reader that takes a shader: OpenGL takes no WGSL.
 fn takes(reader: &dyn Reader, shader: &str) -> bool {
-    reader.device().reader != "gl" || !shader.ends_with("wgsl")
+    reader.device().reader.name() != "gl" || !shader.ends_with("wgsl")
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn six_lights_are_the_reference_to_a_step_on_every_reader() {
         let renderer = renderer(&format!("six_lights/{shader}"));
         for reader in &mut readers {
             // The modules of both texts are held on the evaluator by the first.
-            let who = reader.device().reader;
+            let who = reader.device().reader.name();
             if !takes(reader.as_ref(), shader) || (who == "cpu" && shader == "phong_450.frag") {
                 continue;
             }
@@ -134,7 +134,7 @@ fn every_scene_is_lit_as_its_reference_says() {
         for shader in shaders {
             let renderer = renderer(shader);
             for reader in &mut readers {
-                let who = reader.device().reader;
+                let who = reader.device().reader.name();
                 if !takes(reader.as_ref(), shader) {
                     continue;
                 }

@@ -55,7 +55,12 @@ fn line<'r>(report: &'r Report, found: &Found) -> &'r str {
 /// What was found, for messages.
 fn all(report: &Report) -> String {
     let each = report.findings.iter().map(|found| {
-        format!("{} {} | {}\n", found.hazard.id, found.hazard.code, line(report, found).trim())
+        format!(
+            "{} {} | {}\n",
+            found.hazard.info().label.unwrap_or_default(),
+            found.hazard.code(),
+            line(report, found).trim()
+        )
     });
     each.collect()
 }

@@ -11,7 +11,7 @@ use std::process::{Command, Output};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use landfall_exec::backend::{Answer, Device, Failure, Job, Reader};
+use landfall_exec::backend::{Answer, BackendKind, Device, Failure, Job, Reader};
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_exec::interp::Cpu;
 use landfall_layout::finding::Level;
@@ -44,7 +44,7 @@ fn line(text: &str, domain: &str) -> Report {
 
 /// Both drivers, each of which ran all that the evaluator ran.
 fn both(report: &Report) -> &[ReaderReport] {
-    let names: Vec<&str> = report.readers.iter().map(|reader| reader.reader).collect();
+    let names: Vec<&str> = report.readers.iter().map(|reader| reader.reader.name()).collect();
     assert_eq!(names, ["gl", "gpu"]);
     for reader in &report.readers {
         assert_eq!(reader.failure, None, "{}", reader.reader);
@@ -97,7 +97,8 @@ fn a_power_by_logarithm_is_farther_off_than_the_evaluators() {
 #[test]
 fn a_normalised_zero_is_told_of_whether_the_driver_hides_it_or_not() {
     let report = line("vec3 f(vec3 v) { return normalize(v); }", r#"{"v": [-8, 8]}"#);
-    let zero = report.findings.iter().find(|f| f.hazard.code == "zero-vector").expect("it is met");
+    let zero =
+        report.findings.iter().find(|f| f.hazard.code() == "zero-vector").expect("it is met");
     for (nth, reader) in both(&report).iter().enumerate() {
         let (nan, hidden) = (reader.tally.nan, reader.hidden.count);
         assert!(nan + hidden > 0, "{}: {nan} NaN, {hidden} hidden", reader.reader);
@@ -175,7 +176,11 @@ struct Faulty {
 
 fn faulty(fault: Fault) -> Box<dyn Reader> {
     let cpu = Cpu::default();
-    let device = Device { reader: "gpu", adapter: "bad luck".to_string(), ..cpu.device().clone() };
+    let device = Device {
+        reader: BackendKind::Gpu,
+        adapter: "bad luck".to_string(),
+        ..cpu.device().clone()
+    };
     Box::new(Faulty { fault, jobs: 0, cpu, device })
 }
 
@@ -229,7 +234,7 @@ fn an_adapter_that_is_wrong_is_told_from_a_formula_that_is() {
         assert!((0.001..=0.2).contains(&share), "{share}");
         assert_eq!(odd.cases[0].verdict, Some(Verdict::Wrong));
         let [found] = &report.findings[..] else { panic!("{}", report.findings.len()) };
-        assert_eq!((found.hazard.code, found.level), (code, Level::Deny));
+        assert_eq!((found.hazard.code(), found.level), (code, Level::Deny));
         assert!(found.message().starts_with("gpu "), "{}", found.message());
         assert_eq!(report.has_non_finite(), fault == Fault::Nan);
         // What the evaluator gives is at most 1, a quarter of that is 63.75 steps.

@@ -149,11 +149,54 @@ pub struct Answer {
     pub pixels: Vec<[u32; 4]>,
 }
 
+/// The kinds of backends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum BackendKind {
+    /// Landfall's own interpreter.
+    Cpu,
+    /// The OpenGL driver.
+    Gl,
+    /// Vulkan, Metal or DX12 through wgpu.
+    Gpu,
+}
+
+impl BackendKind {
+    /// Every kind.
+    pub const ALL: [BackendKind; 3] = [BackendKind::Cpu, BackendKind::Gl, BackendKind::Gpu];
+
+    /// Returns the name on the command line and in reports: `cpu`, `gl`, `gpu`.
+    pub fn name(self) -> &'static str {
+        match self {
+            BackendKind::Cpu => "cpu",
+            BackendKind::Gl => "gl",
+            BackendKind::Gpu => "gpu",
+        }
+    }
+
+    /// Returns the kind of that name.
+    pub fn from_name(name: &str) -> Option<BackendKind> {
+        BackendKind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Returns whether it is a driver, which may end, hang or differ from another.
+    pub fn is_driver(self) -> bool {
+        self != BackendKind::Cpu
+    }
+}
+
+impl fmt::Display for BackendKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
 /// Who ran it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Device {
-    /// `cpu`, `gl` or `gpu`.
-    pub reader: &'static str,
+    /// What kind it is.
+    pub reader: BackendKind,
     /// The adapter's name, such as `llvmpipe (LLVM 15.0.6, 256 bits)`.
     pub adapter: String,
     /// The driver, such as `Mesa` or `Vulkan`.

@@ -46,6 +46,7 @@ pub fn declared(name: &str, rules: Rules, members: Vec<Member>) -> Block {
         space: AddressSpace::Uniform,
         rules,
         rules_declared: true,
+        gathered: false,
         group: None,
         binding: None,
         count: vec![],
@@ -139,6 +140,7 @@ pub fn loose() -> BlockLayout {
     lay_out(&Block {
         space: AddressSpace::Default,
         rules_declared: false,
+        gathered: true,
         opaque: vec!["diffuse".into()],
         ..declared("", Rules::Std140, members)
     })

@@ -44,6 +44,9 @@ pub struct BlockLayout {
     pub rules: Rules,
     /// Whether the text, or the language itself, says these rules; if not, they are the driver's.
     pub rules_declared: bool,
+    /// Whether it is the loose uniforms of a GLSL text, which declares no such block; its name is
+    /// [`DEFAULT_BLOCK`], as that of a declared block may be.
+    pub gathered: bool,
     /// `set = N`, `@group(N)`.
     pub group: Option<u32>,
     /// `binding = N`, `@binding(N)`.
@@ -152,6 +155,7 @@ pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
         space: block.space,
         rules: block.rules,
         rules_declared: block.rules_declared,
+        gathered: block.gathered,
         group: block.group,
         binding: block.binding,
         count: block.count.clone(),

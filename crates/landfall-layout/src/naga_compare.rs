@@ -177,6 +177,7 @@ mod tests {
             space,
             rules,
             rules_declared: true,
+            gathered: false,
             group: None,
             binding: None,
             count: Vec::new(),

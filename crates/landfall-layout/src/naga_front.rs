@@ -4,7 +4,7 @@ use std::panic::{self, AssertUnwindSafe};
 
 use naga::{ArraySize, Module, TypeInner};
 
-use crate::source::{Runs, Stage};
+use crate::source::{ExecutableStage, Stage};
 
 /// naga recurses on nested brackets without a bound of its own; deeper text is not handed to it.
 const DEEPEST_BRACKETS: u32 = 64;
@@ -44,10 +44,10 @@ pub fn glsl_whole(
     stage: Option<Stage>,
     defines: &[(String, String)],
 ) -> Option<Module> {
-    let stage = match stage.map_or(Some(Runs::Vertex), Runs::of)? {
-        Runs::Vertex => naga::ShaderStage::Vertex,
-        Runs::Fragment => naga::ShaderStage::Fragment,
-        Runs::Compute => naga::ShaderStage::Compute,
+    let stage = match stage.map_or(Some(ExecutableStage::Vertex), ExecutableStage::of)? {
+        ExecutableStage::Vertex => naga::ShaderStage::Vertex,
+        ExecutableStage::Fragment => naga::ShaderStage::Fragment,
+        ExecutableStage::Compute => naga::ShaderStage::Compute,
     };
     let mut options = naga::front::glsl::Options::from(stage);
     options.defines.extend(defines.iter().cloned());

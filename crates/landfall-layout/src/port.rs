@@ -25,7 +25,7 @@ mod uniforms;
 mod wgsl;
 mod words;
 
-use crate::shape::AddressSpace;
+use crate::shape::{AddressSpace, DEFAULT_BLOCK};
 use crate::source::{Language, ReadOptions, Source, Span, Stage, Target};
 use crate::syntax::glsl::raw;
 use crate::{BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
@@ -71,7 +71,7 @@ impl Default for PortOptions {
         PortOptions {
             dialect: Dialect::Vulkan,
             read: ReadOptions::default(),
-            block: "DefaultBlock".to_string(),
+            block: DEFAULT_BLOCK.to_string(),
             set: 0,
             first_binding: 0,
             partner: None,
@@ -411,7 +411,6 @@ fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(),
     let read = |gather| Options { read: options.read.clone(), gather, ..Options::default() };
     let before = layout(source, &read(true));
     let after = layout(&ported.source, &read(false));
-    let made = |block: &&BlockLayout| *block.name == *"DefaultBlock" && !block.rules_declared;
     let mut problems = after.diagnostics;
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
     let leaves = |block: Option<&BlockLayout>, name: &dyn Fn(&str) -> String| {
@@ -421,7 +420,8 @@ fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(),
         rows.sort();
         rows
     };
-    let gathered = leaves(before.blocks.iter().rfind(made), &|path| ported.new_path(path));
+    let gathered =
+        leaves(before.blocks.iter().rfind(|block| block.gathered), &|path| ported.new_path(path));
     let block = after.blocks.iter().find(|b| Some(&*b.name) == ported.block.as_deref());
     let moved = leaves(block, &str::to_string);
     let loose = after.blocks.iter().any(|block| block.space == AddressSpace::Default);

@@ -250,6 +250,9 @@ pub enum OffsetOrder {
     Untold,
 }
 
+/// The name of the block that loose uniforms are gathered into.
+pub const DEFAULT_BLOCK: &str = "DefaultBlock";
+
 /// A block as declared.
 #[derive(Clone, Debug)]
 pub struct Block {
@@ -263,6 +266,9 @@ pub struct Block {
     pub rules: Rules,
     /// Whether the text, or the language itself, says these rules; if not, they are the driver's.
     pub rules_declared: bool,
+    /// Whether it is the loose uniforms of a GLSL text, which declares no such block; its name is
+    /// [`DEFAULT_BLOCK`], as that of a declared block may be.
+    pub gathered: bool,
     /// `set = N`, `@group(N)`.
     pub group: Option<u32>,
     /// `binding = N`, `@binding(N)`.

@@ -93,7 +93,7 @@ impl Stage {
 
 /// A stage that runs here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Runs {
+pub enum ExecutableStage {
     /// Vertex stage.
     Vertex,
     /// Fragment stage.
@@ -102,13 +102,13 @@ pub enum Runs {
     Compute,
 }
 
-impl Runs {
+impl ExecutableStage {
     /// It, if it runs.
-    pub fn of(stage: Stage) -> Option<Runs> {
+    pub fn of(stage: Stage) -> Option<ExecutableStage> {
         match stage {
-            Stage::Vertex => Some(Runs::Vertex),
-            Stage::Fragment => Some(Runs::Fragment),
-            Stage::Compute => Some(Runs::Compute),
+            Stage::Vertex => Some(ExecutableStage::Vertex),
+            Stage::Fragment => Some(ExecutableStage::Fragment),
+            Stage::Compute => Some(ExecutableStage::Compute),
             Stage::TessellationControl
             | Stage::TessellationEvaluation
             | Stage::Geometry
@@ -124,12 +124,12 @@ impl Runs {
     }
 }
 
-impl From<Runs> for Stage {
-    fn from(runs: Runs) -> Stage {
+impl From<ExecutableStage> for Stage {
+    fn from(runs: ExecutableStage) -> Stage {
         match runs {
-            Runs::Vertex => Stage::Vertex,
-            Runs::Fragment => Stage::Fragment,
-            Runs::Compute => Stage::Compute,
+            ExecutableStage::Vertex => Stage::Vertex,
+            ExecutableStage::Fragment => Stage::Fragment,
+            ExecutableStage::Compute => Stage::Compute,
         }
     }
 }

@@ -35,8 +35,10 @@ pub struct BindingMap {
 pub struct Member {
     /// Number of the block in the shader.
     pub block: usize,
-    /// The block's name; `DefaultBlock` for loose uniforms.
+    /// The block's name.
     pub name: String,
+    /// Whether the block is the loose uniforms.
+    pub gathered: bool,
     /// The way to the leaf, arrays as patterns: `data[].pos`.
     pub path: String,
     /// What it is given.
@@ -125,9 +127,9 @@ impl BindingMap {
 impl Member {
     /// As it is written in a scene's `bind`: loose uniforms by their own path.
     pub fn key(&self) -> String {
-        match self.name.as_str() {
-            "DefaultBlock" => self.path.clone(),
-            name => format!("{name}.{}", self.path),
+        match self.gathered {
+            true => self.path.clone(),
+            false => format!("{}.{}", self.name, self.path),
         }
     }
 }

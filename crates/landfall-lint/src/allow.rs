@@ -9,7 +9,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::levels::level as level_of;
-use super::registry::{LINTS, lint};
+use super::registry::{LINTS, lint, renamed};
 use super::settings::Settings;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::source::{Files, Language, Span};
@@ -75,11 +75,13 @@ pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> boo
     if level == Level::Allow {
         return Vec::new();
     }
-    let mut idle: Vec<&Allow> = allows.iter().filter(|a| !a.used && a.code != UNUSED).collect();
+    // An earlier spelling is reported whether its comment is needed or not.
+    let is_idle = |a: &&Allow| (!a.used && a.code != UNUSED) || renamed(&a.code).is_some();
+    let mut idle: Vec<&Allow> = allows.iter().filter(is_idle).collect();
     idle.sort_by(|a, b| a.place.cmp(&b.place));
     idle.dedup_by(|a, b| a.place == b.place);
     let used = |idle: &Allow| allows.iter().any(|a| a.used && a.place == idle.place);
-    idle.retain(|idle| !used(idle));
+    idle.retain(|idle| renamed(&idle.code).is_some() || !used(idle));
     let mut findings: Vec<Finding> =
         idle.into_iter().filter_map(|allow| allow.idle(settings, &asked)).collect();
     for finding in &mut findings {
@@ -95,7 +97,7 @@ impl Allow {
     fn covers(&self, finding: &Finding) -> bool {
         let line = finding.place.line;
         !self.garbled
-            && self.code == finding.code
+            && renamed(&self.code).unwrap_or(&self.code) == finding.code
             && self.place.path == finding.place.path
             && self.lines.is_none_or(|(first, last)| (first..=last).contains(&line))
     }
@@ -108,6 +110,10 @@ impl Allow {
             return Some(finding(message).with_help(
                 "write `landfall: allow(CODE)` for the next line, or `landfall: allow-file(CODE)`",
             ));
+        }
+        if let Some(now) = renamed(&self.code) {
+            let message = format!("the lint `{}` is called `{now}`", self.code);
+            return Some(finding(message).with_edit(self.place.clone(), now));
         }
         if lint(&self.code).is_none() {
             let message = format!("`{}` is no lint, so nothing is allowed", self.code);

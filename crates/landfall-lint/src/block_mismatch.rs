@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
-use super::show::{counted, is_declared, listing, may_be_vulkan, place};
+use super::show::{counted, listing, may_be_vulkan, place};
 use compare::{Difference, View, alike, collide, differences, is_head, shared, view};
 use landfall_layout::ShaderLayout;
 use landfall_layout::finding::{Finding, Level};
@@ -81,7 +81,7 @@ fn copies<'a>(subjects: &'a [Subject<'a>]) -> impl Iterator<Item = Copy<'a>> {
         let blocks = subject.shader.blocks.iter();
         // Push constants are a range of each stage's own; the others are no bound buffers.
         let bound = |block: &&BlockLayout| match block.space {
-            AddressSpace::Uniform | AddressSpace::Storage => is_declared(block, subject.options),
+            AddressSpace::Uniform | AddressSpace::Storage => !block.gathered,
             AddressSpace::PushConstant
             | AddressSpace::BufferReference
             | AddressSpace::ShaderRecord

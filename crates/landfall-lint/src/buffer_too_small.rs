@@ -4,7 +4,7 @@ use super::definition::{Check, Lint, Subject};
 use super::glob;
 use super::settings::Settings;
 use super::settings::{Figure, Row, Table};
-use super::show::{bytes, is_called, is_declared, listing, place};
+use super::show::{bytes, is_called, listing, place};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::layout::explain::explain;
@@ -41,7 +41,7 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
     let blocks = || {
         files().flat_map(|subject| {
             let declared = subject.shader.blocks.iter();
-            declared.filter(|b| is_declared(b, subject.options)).map(move |block| (subject, block))
+            declared.filter(|b| !b.gathered).map(move |block| (subject, block))
         })
     };
     let meant: Vec<_> = blocks().filter(|(_, block)| is_called(block, &table.block)).collect();

@@ -1,5 +1,6 @@
 //! A lint: its code, its level, what it is for, and the function that checks a shader for it.
 
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::source::Source;
 use landfall_layout::{Options, ShaderLayout};
@@ -23,6 +24,16 @@ pub struct Lint {
     pub fix: &'static str,
     /// How it is found.
     pub check: Check,
+}
+
+impl Lint {
+    /// Returns the hazards that the code it reports may meet.
+    pub fn hazards(&self) -> &'static [Hazard] {
+        match self.check {
+            Check::Hazard(kind) => kind.hazards(),
+            Check::Shader(_) | Check::Tree(_) | Check::Elsewhere => &[],
+        }
+    }
 }
 
 /// How the findings of a lint are found.

@@ -27,7 +27,7 @@ mod words;
 use glance::Glance;
 
 use super::definition::{Check, Lint, Subject};
-use landfall_ir::analysis::hazards::{Certainty, Found, Hazard, Kind, find};
+use landfall_ir::analysis::hazards::{Certainty, Found, Kind, Occurrence, find};
 use landfall_ir::analysis::roles::{Held, held};
 use landfall_ir::analysis::words::words as words_of;
 use landfall_layout::finding::{Finding, Level, Place};
@@ -88,10 +88,10 @@ pub fn lint_of(kind: Kind) -> &'static Lint {
 }
 
 /// A hazard as a finding; its level is that of its lint.
-pub fn finding(hazard: &Hazard, files: &Files, language: Language) -> Finding {
+pub fn finding(hazard: &Occurrence, files: &Files, language: Language) -> Finding {
     let lint = lint_of(hazard.kind);
     let words = words::of(hazard, language);
-    let about = if hazard.about.is_empty() { hazard.id } else { &hazard.about };
+    let about = if hazard.about.is_empty() { hazard.hazard.code() } else { &hazard.about };
     let place = Place::of(files, hazard.span);
     let mut finding = Finding::new(lint.code, about, place, words.message)
         .with_text(words.text)
@@ -135,7 +135,7 @@ pub(super) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
 }
 
 /// Whether a hazard stands once names and comments are looked at.
-fn weigh(hazard: &mut Hazard, shader: &ShaderLayout, lights: &[Held<'_>]) -> bool {
+fn weigh(hazard: &mut Occurrence, shader: &ShaderLayout, lights: &[Held<'_>]) -> bool {
     if hazard.kind != Kind::DegreesForCosine || hazard.number.is_some() {
         return true;
     }

@@ -3,7 +3,7 @@
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::settings::Target;
-use super::show::{bytes, counted, is_declared, listing, place};
+use super::show::{bytes, counted, listing, place};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 pub use landfall_layout::layout::measure::{elements, fixed};
@@ -141,7 +141,7 @@ fn title(target: Target) -> &'static str {
 fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut found = Vec::new();
     for block in &subject.shader.blocks {
-        if is_declared(block, subject.options) {
+        if !block.gathered {
             found.extend(too_large(subject, block, settings));
         }
     }
@@ -222,8 +222,7 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     let stage = one_stage(subject)?;
     let mut count = 0u64;
     let mut first_over = None;
-    let is_meant =
-        |block: &&BlockLayout| block.space == space && is_declared(block, subject.options);
+    let is_meant = |block: &&BlockLayout| block.space == space && !block.gathered;
     let declared: Vec<&BlockLayout> =
         subject.shader.blocks.iter().filter(is_meant).take(MOST_COUNTED).collect();
     let all = declared.iter().fold(0u64, |sum, b| sum.saturating_add(elements(&b.count)));
@@ -304,10 +303,7 @@ fn too_loose(subject: &Subject<'_>, target: Target) -> Option<Finding> {
     let shader = subject.shader;
     let stage = shader.stage?;
     let limit = loose_components(target, stage)?;
-    let is_loose = |block: &&BlockLayout| {
-        block.space == AddressSpace::Default || super::show::gathered(block, subject.options)
-    };
-    let block = shader.blocks.iter().find(is_loose)?;
+    let block = shader.blocks.iter().find(|block| block.gathered)?;
     let mut sum = 0u64;
     let mut first_over = None;
     for leaf in &block.leaves {

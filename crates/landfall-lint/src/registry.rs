@@ -8,6 +8,7 @@ use super::{
     scalar_after_vec3, stale_comment, target_changes_layout, unused_allow, unused_block,
     unused_member, vec3_array, webgl2_size,
 };
+use landfall_ir::analysis::hazard::Hazard;
 
 /// Every lint, by code.
 pub const LINTS: &[&Lint] = &[
@@ -57,4 +58,11 @@ pub const LINTS: &[&Lint] = &[
 /// The lint of that code.
 pub fn lint(code: &str) -> Option<&'static Lint> {
     LINTS.iter().find(|lint| lint.code == code).copied()
+}
+
+/// Returns the code of the lint that a hazard's earlier spelling means: `pow-of-zero` for
+/// `power-of-zero`. `None` for codes of lints and for all others.
+pub fn renamed(code: &str) -> Option<&'static str> {
+    let hazard = Hazard::named(code).filter(|hazard| hazard.info().aliases.contains(&code))?;
+    lint(hazard.code()).map(|lint| lint.code).filter(|now| *now != code)
 }

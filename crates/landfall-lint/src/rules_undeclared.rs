@@ -3,7 +3,7 @@
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::settings::Target;
-use super::show::{is_declared, may_be_vulkan, place};
+use super::show::{may_be_vulkan, place};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::AddressSpace;
@@ -43,7 +43,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         return Vec::new();
     }
     let blocks = subject.shader.blocks.iter();
-    let undeclared = blocks.filter(|b| !b.rules_declared && is_declared(b, subject.options));
+    let undeclared = blocks.filter(|b| !b.rules_declared && !b.gathered);
     undeclared.map(|block| finding(subject, block)).collect()
 }
 

@@ -2,12 +2,12 @@
 //!
 //! Reads the [model](landfall_layout::layout) and [`format`](landfall_layout::format); the lints use it.
 
+use landfall_layout::ShaderLayout;
 use landfall_layout::format as emit;
 use landfall_layout::format::{EmitOptions, Format};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{Files, Language, Span, Target};
-use landfall_layout::{Options, ShaderLayout};
 
 use super::definition::Subject;
 use landfall_layout::finding::Place;
@@ -48,16 +48,6 @@ fn listed(shader: &ShaderLayout, block: &BlockLayout) -> String {
 /// Where a span of a shader is.
 pub(super) fn place(subject: &Subject<'_>, span: Span) -> Place {
     Place::of(&subject.shader.files, span)
-}
-
-/// Whether a block is the one made of gathered loose uniforms, which the text does not declare.
-pub(super) fn gathered(block: &BlockLayout, options: &Options) -> bool {
-    options.gather && !block.rules_declared && *block.name == *"DefaultBlock"
-}
-
-/// Whether the block is one a buffer is bound to: no loose uniforms, gathered or not.
-pub(super) fn is_declared(block: &BlockLayout, options: &Options) -> bool {
-    block.space != AddressSpace::Default && !gathered(block, options)
 }
 
 /// Whether that is what the block, or its instance, is called.

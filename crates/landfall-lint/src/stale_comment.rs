@@ -8,7 +8,7 @@ mod words;
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
-use super::show::{is_declared, listing, place};
+use super::show::{listing, place};
 use claims::{Claim, Kind, claims};
 use columns::Row;
 use judge::{Right, counted_from, may_be_content, other_unit};
@@ -50,7 +50,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
         return Vec::new();
     }
     let blocks = subject.shader.blocks.iter();
-    let blocks = blocks.filter(|b| b.rules_declared && is_declared(b, subject.options));
+    let blocks = blocks.filter(|b| b.rules_declared && !b.gathered);
     let mut found = Vec::new();
     for owner in owners(subject.shader, blocks) {
         in_owner(subject, &owner, &mut found);

@@ -4,7 +4,7 @@ use super::definition::{Check, Lint, Subject};
 use super::glob;
 use super::settings::Settings;
 use super::settings::Target;
-use super::show::{bytes, is_called, is_declared, listing, place};
+use super::show::{bytes, is_called, listing, place};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, Rules};
@@ -37,7 +37,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let blocks = subject.shader.blocks.iter();
     blocks
         .filter(|block| block.space == AddressSpace::Uniform)
-        .filter(|block| is_declared(block, subject.options))
+        .filter(|block| !block.gathered)
         .filter(|block| !is_made_large_enough(subject, block, settings))
         .filter_map(|block| short(subject, block))
         .collect()

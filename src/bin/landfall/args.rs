@@ -26,6 +26,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand, ValueEnum};
 use landfall_layout::codegen::rust::Vectors;
 use landfall_layout::format as emit;
+use landfall_layout::shape::DEFAULT_BLOCK;
 
 #[cfg(feature = "exec")]
 pub use bench::{BenchArgs, BenchFormat};
@@ -97,7 +98,7 @@ pub enum Command {
     Check(CheckArgs),
     /// Make one report of those of all shards of a check
     Merge(MergeArgs),
-    /// List the lints, or explain one
+    /// List the lints and hazards, or explain one
     Rule(RuleArgs),
     /// Print the JSON Schema of an output or a scene
     Schema(SchemaArgs),
@@ -251,7 +252,7 @@ pub struct PortArgs {
     #[arg(long = "location", value_name = "NAME=N", value_parser = location)]
     pub locations: Vec<(String, u32)>,
     /// Name of the block that loose uniforms become
-    #[arg(long, value_name = "NAME", default_value = "DefaultBlock")]
+    #[arg(long, value_name = "NAME", default_value = DEFAULT_BLOCK)]
     pub block: String,
     /// Descriptor set of everything that has none
     #[arg(long, value_name = "N", default_value_t = 0)]

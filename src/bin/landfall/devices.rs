@@ -2,6 +2,7 @@
 //! its own, so one that crashes is a line of the table and not the end of it.
 
 use landfall::report::devices::{json, table};
+use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::devices::{Found, cpu};
 
 use crate::args::{DevicesArgs, DevicesFormat};
@@ -22,7 +23,7 @@ fn drivers() -> Vec<Found> {
     use landfall_exec::backend::Failure;
     use landfall_exec::backend::subprocess::{Behind, Launch, list};
 
-    let ask = |(reader, behind): (&'static str, Behind)| {
+    let ask = |(reader, behind): (BackendKind, Behind)| {
         let found = match std::env::current_exe() {
             Ok(program) => list(&Launch::new(program, &behind)),
             Err(cause) => {
@@ -34,10 +35,13 @@ fn drivers() -> Vec<Found> {
             vec![Found { reader, kind: String::new(), outcome: Err(failure) }]
         })
     };
-    [("gl", Behind::Gl), ("gpu", Behind::Gpu(None))].into_iter().flat_map(ask).collect()
+    [(BackendKind::Gl, Behind::Gl), (BackendKind::Gpu, Behind::Gpu(None))]
+        .into_iter()
+        .flat_map(ask)
+        .collect()
 }
 
 #[cfg(not(any(feature = "gl", feature = "gpu")))]
 fn drivers() -> Vec<Found> {
-    ["gl", "gpu"].map(Found::not_built).into()
+    [BackendKind::Gl, BackendKind::Gpu].map(Found::not_built).into()
 }

@@ -27,7 +27,7 @@ pub fn open(names: &[ReaderName], adapter: Option<&str>) -> Readers {
                 readers.here.push(reader);
             }
             Err(failure) => {
-                readers.attendance.push(Attendance::Missing { reader: name.name(), failure });
+                readers.attendance.push(Attendance::Missing { reader: name.kind(), failure });
             }
         }
     }

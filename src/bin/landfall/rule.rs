@@ -1,73 +1,166 @@
-//! `landfall rule`: the lints there are, and what one of them is about.
+//! `landfall rule`: lists the lints and hazards, or explains one.
 
 use std::fmt::Write as _;
 
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::Paint;
 use landfall_layout::source::Files;
-use landfall_lint::{LINTS, Lint, lint};
+use landfall_layout::{Diagnostic, Severity};
+use landfall_lint::{LINTS, Lint, lint, nearest};
 
 use crate::args::{RuleArgs, RuleFormat};
-use crate::config;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 
 /// Columns of running text.
 const WIDTH: usize = 96;
 
+/// What has a code: a lint, which may be a hazard's too, or a hazard.
+#[derive(Clone, Copy)]
+enum Rule {
+    Lint(&'static Lint),
+    Hazard(Hazard),
+}
+
+impl Rule {
+    /// Every rule by code.
+    fn all() -> Vec<Rule> {
+        let hazards = Hazard::ALL.into_iter().filter(|hazard| lint(hazard.code()).is_none());
+        let lints = LINTS.iter().map(|lint| Rule::Lint(lint));
+        let mut all: Vec<Rule> = lints.chain(hazards.map(Rule::Hazard)).collect();
+        all.sort_by_key(|rule| rule.code());
+        all
+    }
+
+    /// The rule of that code, earlier spelling or label.
+    fn named(name: &str) -> Option<Rule> {
+        let of = |hazard: Hazard| lint(hazard.code()).map_or(Rule::Hazard(hazard), Rule::Lint);
+        lint(name).map(Rule::Lint).or_else(|| Hazard::named(name).map(of))
+    }
+
+    fn code(self) -> &'static str {
+        match self {
+            Rule::Lint(lint) => lint.code,
+            Rule::Hazard(hazard) => hazard.code(),
+        }
+    }
+
+    fn level(self) -> &'static str {
+        match self {
+            Rule::Lint(lint) => lint.level.name(),
+            Rule::Hazard(hazard) => hazard.info().level.name(),
+        }
+    }
+
+    fn what(self) -> &'static str {
+        match self {
+            Rule::Lint(lint) => lint.what,
+            Rule::Hazard(hazard) => hazard.info().what,
+        }
+    }
+
+    /// The hazard of the same code.
+    fn hazard(self) -> Option<Hazard> {
+        match self {
+            Rule::Lint(lint) => lint.hazards().iter().copied().find(|h| h.code() == lint.code),
+            Rule::Hazard(hazard) => Some(hazard),
+        }
+    }
+}
+
 pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let lints: Vec<&Lint> = match &args.code {
-        None => LINTS.to_vec(),
-        Some(code) => match lint(code) {
-            Some(lint) => vec![lint],
+    let rules: Vec<Rule> = match &args.code {
+        None => Rule::all(),
+        Some(code) => match Rule::named(code) {
+            Some(rule) => vec![rule],
             None => {
-                let found = config::unknown_code(code);
                 let style = streams.style(FindingForm::Human);
-                streams.report(&style.text(&[found], &Files::default()));
+                streams.report(&style.text(&[unknown(code)], &Files::default()));
                 return Ok(Outcome::CouldNot);
             }
         },
     };
+    if let (Some(name), [rule]) = (&args.code, &rules[..]) {
+        if name != rule.code() {
+            streams.notes(&format!("note: `{name}` is called `{}`\n", rule.code()));
+        }
+    }
     let in_full = args.all || args.code.is_some();
     let text = match args.format {
-        RuleFormat::Json => json(&lints, args.code.is_some()),
-        RuleFormat::Md if in_full => join(&lints, markdown),
-        RuleFormat::Md => markdown_table(&lints),
-        RuleFormat::Human if in_full => join(&lints, |lint| explanation(lint, streams.paint)),
-        RuleFormat::Human => table(&lints, streams.paint),
+        RuleFormat::Json => json(&rules, args.code.is_some()),
+        RuleFormat::Md if in_full => join(&rules, markdown),
+        RuleFormat::Md => markdown_tables(&rules),
+        RuleFormat::Human if in_full => join(&rules, |rule| explanation(rule, streams.paint)),
+        RuleFormat::Human => table(&rules, streams.paint),
     };
     // Texts of ours alone.
     streams.exactly(&text)?;
     Ok(Outcome::Clean)
 }
 
-fn join(lints: &[&Lint], text: impl Fn(&Lint) -> String) -> String {
-    lints.iter().map(|lint| text(lint)).collect::<Vec<_>>().join("\n")
+fn unknown(code: &str) -> Diagnostic {
+    let near = nearest(code, Rule::all().iter().map(|rule| rule.code()));
+    Diagnostic {
+        code: "unknown-lint",
+        severity: Severity::Error,
+        message: format!("there is no lint and no hazard `{code}`"),
+        path: None,
+        labels: vec![],
+        notes: vec![],
+        help: Some(match near {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "`landfall rule` lists the lints and hazards".to_string(),
+        }),
+    }
+}
+
+fn join(rules: &[Rule], text: impl Fn(Rule) -> String) -> String {
+    rules.iter().map(|rule| text(*rule)).collect::<Vec<_>>().join("\n")
 }
 
 /// Code, level and the first sentence of each.
-fn table(lints: &[&Lint], paint: Paint) -> String {
-    let width = lints.iter().map(|lint| lint.code.len()).max().unwrap_or(0);
+fn table(rules: &[Rule], paint: Paint) -> String {
+    let width = rules.iter().map(|rule| rule.code().len()).max().unwrap_or(0);
     let mut text = String::new();
-    for lint in lints {
+    for rule in rules {
         let indent = " ".repeat(width + 9);
-        let what = wrapped(lint.what, WIDTH.saturating_sub(width + 9)).join(&format!("\n{indent}"));
-        let code = format!("{:<width$}", lint.code);
-        let _ = writeln!(text, "{}  {:<5}  {what}", strong(&code, paint), lint.level.name());
+        let lines = wrapped(rule.what(), WIDTH.saturating_sub(width + 9));
+        let what = lines.join(&format!("\n{indent}"));
+        let code = format!("{:<width$}", rule.code());
+        let _ = writeln!(text, "{}  {:<5}  {what}", strong(&code, paint), rule.level());
     }
     text
 }
 
-fn explanation(lint: &Lint, paint: Paint) -> String {
-    let head = strong(lint.code, paint);
-    let mut text = format!("{head}  ({} unless you say otherwise)\n", lint.level.name());
-    for (title, words) in [("what", lint.what), ("why", lint.why), ("fix", lint.fix)] {
-        let _ = write!(text, "\n{}\n", strong(title, paint));
-        for line in wrapped(words, WIDTH - 2) {
-            let _ = writeln!(text, "  {line}");
+fn explanation(rule: Rule, paint: Paint) -> String {
+    match rule {
+        Rule::Lint(lint) => lint_explanation(lint, paint),
+        Rule::Hazard(hazard) => {
+            let info = hazard.info();
+            let head = strong(info.code, paint);
+            let level = info.level.name();
+            let mut text = format!("{head}  (hazard: {}; {level} in `stress`)\n", info.name);
+            sections(&mut text, &[("what", info.what), ("why", info.why)], paint);
+            text.push_str(&hazard_sections(hazard, paint));
+            text
         }
     }
+}
+
+fn lint_explanation(lint: &'static Lint, paint: Paint) -> String {
+    let head = strong(lint.code, paint);
+    let mut text = format!("{head}  ({} unless you say otherwise)\n", lint.level.name());
+    sections(&mut text, &[("what", lint.what), ("why", lint.why), ("fix", lint.fix)], paint);
     let _ = write!(text, "\n{}\n", strong("example", paint));
     for line in lint.example.trim_end().lines() {
         let _ = writeln!(text, "{}", format!("  {line}").trim_end());
+    }
+    match Rule::Lint(lint).hazard() {
+        Some(hazard) => text.push_str(&hazard_sections(hazard, paint)),
+        None if lint.hazards().is_empty() => {}
+        None => {
+            let codes: Vec<&str> = lint.hazards().iter().map(|hazard| hazard.code()).collect();
+            sections(&mut text, &[("hazards", &codes.join(", "))], paint);
+        }
     }
     let _ = write!(
         text,
@@ -78,48 +171,155 @@ fn explanation(lint: &Lint, paint: Paint) -> String {
     text
 }
 
-fn markdown(lint: &Lint) -> String {
-    format!(
-        "## `{}`\n\nLevel: {}.\n\n{}\n\n**Why.** {}\n\n**Fix.** {}\n\n```\n{}\n```\n",
-        lint.code,
-        lint.level.name(),
-        lint.what,
-        lint.why,
-        lint.fix,
-        lint.example.trim_end()
-    )
-}
-
-fn markdown_table(lints: &[&Lint]) -> String {
-    let mut text = "| code | level | what |\n|---|---|---|\n".to_string();
-    for lint in lints {
-        let what = lint.what.replace('|', "\\|");
-        let _ = writeln!(text, "| `{}` | {} | {what} |", lint.code, lint.level.name());
+/// What the catalogue says of a hazard besides what and why.
+fn hazard_sections(hazard: Hazard, paint: Paint) -> String {
+    let info = hazard.info();
+    let mut text = String::new();
+    if let Some(threshold) = info.threshold {
+        let words = format!("{} ({}): {}", threshold.value, threshold.of, threshold.why);
+        sections(&mut text, &[("threshold", &words)], paint);
+    }
+    sections(&mut text, &[("robust form", info.robust), ("source", info.citation)], paint);
+    let lints: Vec<&str> = lints_of(hazard).map(|lint| lint.code).collect();
+    if !lints.is_empty() {
+        sections(&mut text, &[("lints", &lints.join(", "))], paint);
+    }
+    let names: Vec<&str> = info.label.iter().chain(info.aliases).copied().collect();
+    if !names.is_empty() {
+        sections(&mut text, &[("other names", &names.join(", "))], paint);
     }
     text
 }
 
-/// One object, or an array of all.
-fn json(lints: &[&Lint], one: bool) -> String {
-    #[derive(serde::Serialize)]
-    struct Object {
-        code: &'static str,
-        level: &'static str,
-        what: &'static str,
-        why: &'static str,
-        example: &'static str,
-        fix: &'static str,
+/// The lints that report code which may meet it.
+fn lints_of(hazard: Hazard) -> impl Iterator<Item = &'static Lint> {
+    LINTS.iter().copied().filter(move |lint| lint.hazards().contains(&hazard))
+}
+
+fn sections(text: &mut String, sections: &[(&str, &str)], paint: Paint) {
+    for (title, words) in sections {
+        let _ = write!(text, "\n{}\n", strong(title, paint));
+        for line in wrapped(words, WIDTH - 2) {
+            let _ = writeln!(text, "  {line}");
+        }
     }
-    let object = |lint: &&Lint| Object {
-        code: lint.code,
-        level: lint.level.name(),
-        what: lint.what,
-        why: lint.why,
-        example: lint.example,
-        fix: lint.fix,
+}
+
+fn markdown(rule: Rule) -> String {
+    let (code, level, what) = (rule.code(), rule.level(), rule.what());
+    match rule {
+        Rule::Lint(lint) => format!(
+            "## `{code}`\n\nLevel: {level}.\n\n{what}\n\n**Why.** {}\n\n**Fix.** {}\n\n```\n{}\n```\n",
+            lint.why,
+            lint.fix,
+            lint.example.trim_end()
+        ),
+        Rule::Hazard(hazard) => {
+            let info = hazard.info();
+            let threshold = info.threshold.map_or(String::new(), |threshold| {
+                format!(
+                    "**Threshold.** {} ({}): {}\n\n",
+                    threshold.value, threshold.of, threshold.why
+                )
+            });
+            format!(
+                "## `{code}`\n\nHazard, level: {level}.\n\n{what}\n\n**Why.** {}\n\n{threshold}\
+                 **Fix.** {}\n\n**Source.** {}\n",
+                info.why, info.robust, info.citation
+            )
+        }
+    }
+}
+
+/// A table of the lints and one of the hazards.
+fn markdown_tables(rules: &[Rule]) -> String {
+    let (mut lints, mut hazards) = (
+        "| code | level | what |\n|---|---|---|\n".to_string(),
+        "\n| hazard | level | what |\n|---|---|---|\n".to_string(),
+    );
+    for rule in rules {
+        let what = rule.what().replace('|', "\\|");
+        let text = match rule {
+            Rule::Lint(_) => &mut lints,
+            Rule::Hazard(_) => &mut hazards,
+        };
+        let _ = writeln!(text, "| `{}` | {} | {what} |", rule.code(), rule.level());
+    }
+    lints + &hazards
+}
+
+/// A lint or hazard in JSON; a lint has no key that is only a hazard's, and no key of the catalogue
+/// where no hazard has its code.
+#[derive(serde::Serialize)]
+struct Object {
+    code: &'static str,
+    level: &'static str,
+    what: &'static str,
+    why: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    example: Option<&'static str>,
+    fix: &'static str,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    hazards: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hazard: Option<HazardObject>,
+}
+
+#[derive(serde::Serialize)]
+struct HazardObject {
+    name: &'static str,
+    other_names: Vec<&'static str>,
+    threshold: Option<ThresholdObject>,
+    robust: &'static str,
+    source: &'static str,
+    lints: Vec<&'static str>,
+}
+
+#[derive(serde::Serialize)]
+struct ThresholdObject {
+    value: f64,
+    of: &'static str,
+    why: &'static str,
+}
+
+impl HazardObject {
+    fn of(hazard: Hazard) -> HazardObject {
+        let info = hazard.info();
+        HazardObject {
+            name: info.name,
+            other_names: info.label.iter().chain(info.aliases).copied().collect(),
+            threshold: info.threshold.map(|threshold| ThresholdObject {
+                value: threshold.value,
+                of: threshold.of,
+                why: threshold.why,
+            }),
+            robust: info.robust,
+            source: info.citation,
+            lints: lints_of(hazard).map(|lint| lint.code).collect(),
+        }
+    }
+}
+
+/// One object, or an array of all.
+fn json(rules: &[Rule], one: bool) -> String {
+    let object = |rule: Rule| {
+        let (why, example, fix, hazards) = match rule {
+            Rule::Lint(lint) => (lint.why, Some(lint.example), lint.fix, lint.hazards()),
+            Rule::Hazard(hazard) => (hazard.info().why, None, hazard.info().robust, &[][..]),
+        };
+        Object {
+            code: rule.code(),
+            level: rule.level(),
+            what: rule.what(),
+            why,
+            example,
+            fix,
+            hazards: hazards.iter().map(|hazard| hazard.code()).collect(),
+            hazard: rule.hazard().map(HazardObject::of),
+        }
     };
-    let line = |lint| serde_json::to_string(&object(lint)).expect("keys are strings");
-    let lines: Vec<String> = lints.iter().map(line).collect();
+    let line = |rule: &Rule| serde_json::to_string(&object(*rule)).expect("keys are strings");
+    let lines: Vec<String> = rules.iter().map(line).collect();
     if one { format!("{}\n", lines.join("")) } else { format!("[\n{}\n]\n", lines.join(",\n")) }
 }
 

@@ -91,7 +91,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     for reader in &report.readers {
         let Some(why) = &reader.failure else { continue };
         let what = if reader.ran() { "stopped" } else { "did not run" };
-        let found = Error::new(reader.reader, format!("{what}: {why}"));
+        let found = Error::new(reader.reader.name(), format!("{what}: {why}"));
         let found = match reader.device {
             Some(_) => found,
             None => found.with_help("`landfall devices` lists what is here"),
@@ -136,7 +136,7 @@ fn open(args: &StressArgs) -> (Vec<Box<dyn Reader>>, Vec<ReaderReport>) {
         }
         match readers::one(name, args.adapter.as_deref()) {
             Ok(reader) => here.push(reader),
-            Err(failure) => missing.push(ReaderReport::missing(name.name(), &failure)),
+            Err(failure) => missing.push(ReaderReport::missing(name.kind(), &failure)),
         }
     }
     (here, missing)

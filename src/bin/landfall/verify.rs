@@ -1,5 +1,6 @@
 //! `landfall verify`: every block read back by every reader, and which byte each read saw.
 
+use landfall_exec::backend::BackendKind;
 use std::path::Path;
 
 use landfall::report::verify as print;
@@ -9,7 +10,9 @@ use landfall_exec::harness::bindings::Data;
 use landfall_exec::harness::coverage::coverage;
 use landfall_exec::harness::spirv;
 use landfall_exec::harness::verify::report::{Attendance, Outcome as Seen, ShaderReport};
-use landfall_exec::harness::verify::{Subject, VerifyOptions, hold_spirv, run_compiled, verify};
+use landfall_exec::harness::verify::{
+    ReadBy, Subject, VerifyOptions, hold_spirv, run_compiled, verify,
+};
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
 use landfall_layout::source::Files;
@@ -84,20 +87,19 @@ fn given(path: &Path) -> Result<Vec<BlockLayout>, Error> {
 fn required(args: &VerifyArgs, readers: &Readers) -> Result<(), Error> {
     for attendance in &readers.attendance {
         let Attendance::Missing { reader, failure } = attendance else { continue };
-        if args.require.iter().any(|name| name.name() == *reader) {
+        if args.require.iter().any(|name| name.kind() == *reader) {
             let message = format!("is required and did not run: {}", failure.message);
-            return Err(
-                Error::new(*reader, message).with_help("`landfall devices` lists what is here")
-            );
+            return Err(Error::new(reader.name(), message)
+                .with_help("`landfall devices` lists what is here"));
         }
     }
-    let named = |reader: &str| {
+    let named = |kind: BackendKind| {
         readers.attendance.iter().any(|attendance| match attendance {
-            Attendance::Here(device) => device.reader == reader,
+            Attendance::Here(device) => device.reader == kind,
             Attendance::Missing { .. } => false,
         })
     };
-    if let Some(name) = args.require.iter().find(|name| !named(name.name())) {
+    if let Some(name) = args.require.iter().find(|name| !named(name.kind())) {
         let message = "is required, but `--reader` leaves it out";
         return Err(Error::new(name.name(), message));
     }
@@ -145,7 +147,8 @@ impl Run<'_> {
         let mut report = verify(&subject, &self.options, &mut readers.here);
         if let Some(words) = &self.spirv {
             hold_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
-            let gpu = readers.here.iter_mut().find(|reader| reader.device().reader == "gpu");
+            let gpu =
+                readers.here.iter_mut().find(|reader| reader.device().reader == BackendKind::Gpu);
             report.compiled =
                 gpu.map(|gpu| run_compiled(&subject, &self.options, words, gpu.as_mut()));
         }
@@ -196,14 +199,15 @@ impl Run<'_> {
         let confirmed = |device: &Device| {
             let mut seen = report.blocks.iter().map(|block| {
                 block.readers.iter().any(|reader| {
-                    reader.reader == device.reader && reader.outcome == Seen::Confirmed
+                    reader.reader == ReadBy::Backend(device.reader)
+                        && reader.outcome == Seen::Confirmed
                 })
             });
             !report.blocks.is_empty() && seen.all(|seen| seen)
         };
         for attendance in attendance {
             let Attendance::Here(device) = attendance else { continue };
-            if device.reader == "cpu" || !confirmed(device) {
+            if device.reader == BackendKind::Cpu || !confirmed(device) {
                 continue;
             }
             let verified = Verified {

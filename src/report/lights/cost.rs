@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazards::{Bound, Certainty};
 use landfall_ir::analysis::roles::{Form, Held, Kind, Role, held};
 use landfall_layout::finding::Finding;
@@ -107,8 +108,8 @@ pub struct Reorder {
 /// A hazard with its words.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// Its number in the table of hazards.
-    pub id: &'static str,
+    /// What may happen.
+    pub hazard: Hazard,
     /// How sure it is that some input meets it.
     pub certainty: Certainty,
     /// Its lint, message, place and robust form.
@@ -123,7 +124,7 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
     let analysis = analyse(source, options, shader, &lights);
     let found = &analysis.found;
     let hazards = found.hazards.iter().map(|hazard| Found {
-        id: hazard.id,
+        hazard: hazard.hazard,
         certainty: hazard.certainty,
         finding: finding(hazard, &shader.files, shader.language),
         span: hazard.span,

@@ -173,7 +173,7 @@ impl HazardObject<'_> {
     fn of(found: &Found) -> HazardObject<'_> {
         let finding = &found.finding;
         HazardObject {
-            id: found.id,
+            id: found.hazard.code(),
             code: &finding.code,
             certainty: found.certainty.name(),
             level: finding.level.name(),

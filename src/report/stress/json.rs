@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::SHARE;
 use crate::report::device::JsonAsked;
+use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_light::accuracy::stress::words::{name, number};
@@ -378,8 +379,8 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
         f64: plain(n.double),
     };
     FoundObject {
-        hazard: (!found.hazard.id.is_empty()).then_some(found.hazard.id),
-        code: found.hazard.code,
+        hazard: (!found.hazard.is_arithmetic()).then_some(found.hazard.code()),
+        code: found.hazard.code(),
         level: found.level.name(),
         message: found.message(),
         function: &found.place.function,
@@ -387,7 +388,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
         column: place.as_ref().map(|place| place.column),
         path: place.map(|place| place.path),
         excerpt: stressed.files.text(found.place.span),
-        reader: found.reader,
+        reader: found.reader.map(BackendKind::name),
         undefined: found.kind.map(landfall_exec::interp::UndefinedKind::text),
         operation: found.operation.as_ref().map(|operation| OperationObject {
             name: name(operation.operation),
@@ -406,7 +407,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
             .as_ref()
             .map(|p| PermittedObject { steps: plain(p.steps), any_adapter: p.any }),
         condition: found.condition.as_ref().map(condition),
-        rewrite: found.hazard.rewrite,
+        rewrite: found.hazard.info().robust,
         gain: found.gain.as_ref().map(|gain| GainObject {
             form: gain.form,
             before: plain(gain.before),
@@ -424,7 +425,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
             .readers
             .iter()
             .map(|asked| AskedObject {
-                reader: asked.reader,
+                reader: asked.reader.name(),
                 results: asked.results.iter().map(|x| single(*x)).collect(),
                 failure: asked.failure.as_deref(),
             })

@@ -117,3 +117,33 @@ fn the_example_of_unused_allow_is_reported_and_without_its_comment_is_not() {
     place.write("a.frag", good.join("\n"));
     assert_eq!(place.found(&["-W", "stale-comment"]), [""; 0]);
 }
+
+#[test]
+fn an_earlier_spelling_sets_levels_and_allows_with_a_note() {
+    let place = Place::new("renamed");
+    let json = place.run(&["rule", "pow-of-zero", "-f", "json"]).out;
+    let lint: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let example = lint["example"].as_str().unwrap();
+    place.write("a.frag", example);
+    let all = ["check", "-A", "all", "-f", "short"];
+    let check = |more: &[&str]| place.run(&[&all, more].concat());
+    let note = "note: the lint `power-of-zero` is called `pow-of-zero`\n";
+    let asked = check(&["-D", "power-of-zero"]);
+    assert_eq!(asked.code, 1, "{}", asked.out);
+    assert!(asked.out.contains("pow-of-zero"), "{}", asked.out);
+    assert!(asked.err.contains(note), "{}", asked.err);
+    assert!(!check(&["-D", "pow-of-zero"]).err.contains("note:"));
+    place.write("landfall.toml", "[levels]\npower-of-zero = \"deny\"\nall = \"allow\"\n");
+    let configured = place.run(&["check", "-f", "short"]);
+    assert_eq!(configured.code, 1, "{}", configured.out);
+    assert!(configured.err.contains(note), "{}", configured.err);
+    // In a comment it allows, and the note is a finding with an edit.
+    place.write("landfall.toml", "");
+    place.write("a.frag", format!("{example}// landfall: allow-file(power-of-zero)\n"));
+    let allowed = check(&["-D", "pow-of-zero", "-W", "unused-allow"]);
+    assert_eq!(allowed.code, 0, "{}", allowed.out);
+    assert!(allowed.out.contains("the lint `power-of-zero` is called `pow-of-zero`"));
+    let fixed = check(&["-D", "pow-of-zero", "-W", "unused-allow", "--fix"]);
+    assert_eq!(fixed.code, 0, "{}", fixed.out);
+    assert!(place.read("a.frag").contains("// landfall: allow-file(pow-of-zero)"));
+}

@@ -12,8 +12,8 @@ const KNOWN: [(&str, &str, &str, &str); 2] = [
 /// The cases this driver is known to get wrong.
 pub fn known_faults(device: &Device) -> Vec<&'static str> {
     let driver = format!("{} {}", device.driver, device.version);
-    let listed = KNOWN
-        .iter()
-        .filter(|(reader, version, _, _)| device.reader == *reader && driver.contains(version));
+    let listed = KNOWN.iter().filter(|(reader, version, _, _)| {
+        device.reader.name() == *reader && driver.contains(version)
+    });
     listed.map(|(_, _, case, _)| *case).collect()
 }

@@ -59,7 +59,7 @@ fn misfit(expect: &Value, reader: &str, report: &CallReport) -> Option<String> {
 
 /// Runs every case by one reader; how many calls that were.
 fn classified(reader: &mut dyn Reader) -> usize {
-    let name = reader.device().reader;
+    let name = reader.device().reader.name();
     let mut sources: HashMap<String, Source> = HashMap::new();
     let (mut calls, mut wrong) = (0, Vec::new());
     for row in rows() {
@@ -103,7 +103,7 @@ fn classified(reader: &mut dyn Reader) -> usize {
 
 fn by(name: &str, least: usize) {
     with_readers(|readers| {
-        let reader = readers.iter_mut().find(|reader| reader.device().reader == name);
+        let reader = readers.iter_mut().find(|reader| reader.device().reader.name() == name);
         let calls = classified(&mut **reader.expect("every reader is there"));
         assert!(calls >= least, "{calls} calls");
     });

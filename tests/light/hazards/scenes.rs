@@ -118,7 +118,7 @@ fn normals(case: &Value) -> VertexNormals {
 /// A picture, and what the evaluator noted of it; drivers note nothing.
 fn picture(made: &Made, renderer: &Renderer, reader: &mut dyn Reader) -> (Rendered, Vec<String>) {
     let fail = |error: RenderError| panic!("{error}");
-    if reader.device().reader != "cpu" {
+    if reader.device().reader.name() != "cpu" {
         let rendered = made.lit(renderer, reader, &mut |_, _| {});
         return (rendered.unwrap_or_else(fail), Vec::new());
     }
@@ -182,7 +182,7 @@ fn misfit(
 
 /// Lights every scene on one reader; how many pictures that were.
 fn lit(reader: &mut dyn Reader) -> usize {
-    let name = reader.device().reader;
+    let name = reader.device().reader.name();
     let (mut pictures, mut wrong) = (0, Vec::new());
     for row in rows() {
         for case in row["scenes"].as_array().into_iter().flatten() {
@@ -219,7 +219,7 @@ fn lit(reader: &mut dyn Reader) -> usize {
 
 fn by(name: &str, least: usize) {
     with_readers(|readers| {
-        let reader = readers.iter_mut().find(|reader| reader.device().reader == name);
+        let reader = readers.iter_mut().find(|reader| reader.device().reader.name() == name);
         let pictures = lit(&mut **reader.expect("every reader is there"));
         assert!(pictures >= least, "{pictures} pictures");
     });

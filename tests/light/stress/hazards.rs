@@ -2,6 +2,8 @@
 
 use landfall_exec::processor::Stopwatch;
 
+use landfall_ir::analysis::hazard::Hazard;
+
 use super::{all, domain, line, request, run, shader};
 
 /// The hazards of a function: its number, and a part of the line it is in.
@@ -10,10 +12,9 @@ fn meets(path: &str, function: &str, hazards: &[(&str, &str)]) {
     let report = run(&shader(path), &request(function));
     let seconds = began.elapsed().as_secs_f64();
     for (id, text) in hazards {
-        let here = report
-            .findings
-            .iter()
-            .any(|found| found.hazard.id == *id && line(&report, found).contains(text));
+        let here = report.findings.iter().any(|found| {
+            found.hazard.info().label == Some(id) && line(&report, found).contains(text)
+        });
         assert!(here, "{path}, {function}: no {id} at `{text}` in\n{}", all(&report));
     }
     // Ten seconds of samples, half as much again for what was found, on a machine that has
@@ -133,7 +134,11 @@ fn a_hazard_is_not_named_where_the_domain_leaves_it_out() {
     let mut request = request("attenuation");
     let path = "shaders/seed/six_lights_330.frag";
     let free = run(&shader(path), &request);
-    assert!(free.findings.iter().any(|found| found.hazard.id == "H3"), "{}", all(&free));
+    assert!(
+        free.findings.iter().any(|found| found.hazard == Hazard::AttenuationUnset),
+        "{}",
+        all(&free)
+    );
     request.domain =
         domain(r#"{"constant": [1, 1], "linear": [0, 1], "quadratic": [0, 2], "d": [0, 10000]}"#);
     let kept = run(&shader(path), &request);
@@ -150,7 +155,11 @@ fn half_precision_breaks_what_single_does_not() {
     request.pure.floats = Floats::Half;
     let report = run(&shader("shaders/seed/six_lights_330.frag"), &request);
     // The square of 256 is 65536, which no half holds.
-    assert!(report.findings.iter().any(|found| found.hazard.id == "H4"), "{}", all(&report));
+    assert!(
+        report.findings.iter().any(|found| found.hazard == Hazard::Overflow),
+        "{}",
+        all(&report)
+    );
 }
 
 #[test]
@@ -160,7 +169,7 @@ fn a_finding_says_what_any_device_may_do_and_what_the_robust_form_gains() {
     let robust = shader("shaders/six_lights/phong_330.frag");
     request.against = Some((robust, request.pure.clone()));
     let report = run(&shader(path), &request);
-    let narrow = report.findings.iter().find(|found| found.hazard.id == "H17");
+    let narrow = report.findings.iter().find(|found| found.hazard == Hazard::NarrowCone);
     let narrow = narrow.unwrap_or_else(|| panic!("no H17 in\n{}", all(&report)));
     let permitted = narrow.permitted.expect("it is known of f32");
     assert!(permitted.any && permitted.steps > 0.5, "{permitted:?}");

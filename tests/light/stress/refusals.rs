@@ -102,7 +102,7 @@ fn a_loop_without_end_is_a_finding_and_no_end() {
     let mut request = request("endless");
     request.samples = 3000;
     let report = run(&source(), &request);
-    let found = report.findings.iter().find(|found| found.hazard.code == "endless-loop");
+    let found = report.findings.iter().find(|found| found.hazard.code() == "endless-loop");
     assert!(found.is_some(), "{:?}", report.findings.len());
     assert!(report.total.endless > 0 && report.total.samples > report.total.endless);
 }

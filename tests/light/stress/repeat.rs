@@ -20,7 +20,7 @@ fn one_seed_gives_one_report() {
         let found: Vec<_> = report
             .findings
             .iter()
-            .map(|found| (found.hazard.code, found.case.inputs.clone()))
+            .map(|found| (found.hazard.code(), found.case.inputs.clone()))
             .collect();
         (report.total.samples, report.total.ulp.max, found)
     });
@@ -37,7 +37,7 @@ fn threads_change_nothing() {
     let found = [1, 2].map(|threads| {
         request.threads = threads;
         let report = run(&shader(path), &request);
-        let codes: Vec<_> = report.findings.iter().map(|found| found.hazard.code).collect();
+        let codes: Vec<_> = report.findings.iter().map(|found| found.hazard.code()).collect();
         codes
     });
     assert_eq!(found[0], found[1]);
@@ -73,7 +73,7 @@ fn the_command_of_a_finding_gives_the_same_bits() {
             };
             let same =
                 got.to_bits() == result.single.to_bits() || got.is_nan() && result.single.is_nan();
-            assert!(same, "{}: {got} is not {}", found.hazard.code, result.single);
+            assert!(same, "{}: {got} is not {}", found.hazard.code(), result.single);
         }
     }
 }
@@ -85,7 +85,10 @@ fn what_is_found_is_written_for_people_programs_and_tools() {
     request.samples = 8_000;
     let report = run(&shader(path), &request);
     let text = landfall::report::stress::text(&report, emit::Paint::Plain);
-    assert!(text.contains("H3: a light whose attenuation was never set"), "{text}");
+    assert!(
+        text.contains("[attenuation-unset]: a light whose attenuation was never set"),
+        "{text}"
+    );
     assert!(text.contains("landfall run shaders/seed/six_lights_330.frag --fn"), "{text}");
     let sarif: serde_json::Value =
         serde_json::from_str(&landfall::report::stress::sarif(&report)).expect("SARIF is JSON");

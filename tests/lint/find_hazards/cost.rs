@@ -68,8 +68,8 @@ PointLight data[]
     for part in [
         "warning[unclamped-count]: nothing keeps `count` at or below the 8 slots of `data[]`",
         "--> a.frag:17:16",
-        "= note: H23, possible",
-        "= note: H1, possible",
+        "= note: count-past-array, possible",
+        "= note: light-at-fragment, possible",
         "= help: loop to `min(count, 8)`",
     ] {
         assert!(ran.out.contains(part), "{part}\n{}", ran.out);

@@ -4,13 +4,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{Device, Failure};
+use crate::backend::{BackendKind, Device, Failure};
 
 /// One way to run shaders, there or missing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// `cpu`, `gl` or `gpu`.
-    pub reader: &'static str,
+    /// What kind it is.
+    pub reader: BackendKind,
     /// The kind of context or of backend, such as `core 4.5` or `vulkan`.
     pub kind: String,
     /// Who it is and what it takes, or why it is missing.
@@ -19,7 +19,7 @@ pub struct Found {
 
 impl Found {
     /// A reader that this build was made without.
-    pub fn not_built(reader: &'static str) -> Found {
+    pub fn not_built(reader: BackendKind) -> Found {
         let message =
             format!("this build has no reader `{reader}`: it lacks the cargo feature `{reader}`");
         Found { reader, kind: String::new(), outcome: Err(Failure::missing(message, "")) }
@@ -29,13 +29,17 @@ impl Found {
 /// The evaluator, which is always there.
 pub fn cpu() -> Found {
     let device = Device {
-        reader: "cpu",
+        reader: BackendKind::Cpu,
         adapter: "evaluator".to_string(),
         driver: landfall_layout::format::NAME.to_string(),
         version: env!("CARGO_PKG_VERSION").to_string(),
         software: true,
     };
-    Found { reader: "cpu", kind: String::new(), outcome: Ok((device, Limits::default())) }
+    Found {
+        reader: BackendKind::Cpu,
+        kind: String::new(),
+        outcome: Ok((device, Limits::default())),
+    }
 }
 
 /// What a device takes at most; `None` where it has no such thing or sets no limit.

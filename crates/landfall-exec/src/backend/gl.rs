@@ -17,6 +17,7 @@ mod run;
 mod types;
 mod version;
 
+use crate::backend::BackendKind;
 use std::rc::Rc;
 
 pub use context::ContextKind;
@@ -73,11 +74,13 @@ impl Gl {
                 let (major, minor) = context.version;
                 let kind = format!("{} {major}.{minor}", kind.name());
                 let outcome = Ok((context.device.clone(), context.limits));
-                Found { reader: "gl", kind, outcome }
+                Found { reader: BackendKind::Gl, kind, outcome }
             }
-            Err(failure) => {
-                Found { reader: "gl", kind: kind.name().to_string(), outcome: Err(failure) }
-            }
+            Err(failure) => Found {
+                reader: BackendKind::Gl,
+                kind: kind.name().to_string(),
+                outcome: Err(failure),
+            },
         });
         Ok(found.into())
     }

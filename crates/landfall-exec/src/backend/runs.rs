@@ -1,6 +1,6 @@
 //! The executable stages: whether a stage is one, and the grid on which it runs once.
 
-use landfall_layout::source::{Runs, Stage};
+use landfall_layout::source::{ExecutableStage, Stage};
 
 use super::{Failure, Grid, Texel};
 
@@ -8,16 +8,16 @@ use super::{Failure, Grid, Texel};
 ///
 /// # Errors
 /// Stages that no backend executes.
-pub fn executable(stage: Stage) -> Result<Runs, Failure> {
+pub fn executable(stage: Stage) -> Result<ExecutableStage, Failure> {
     let refused = || Failure::refused(format!("a {} shader cannot run", stage.name()), "");
-    Runs::of(stage).ok_or_else(refused)
+    ExecutableStage::of(stage).ok_or_else(refused)
 }
 
 /// The grid on which a stage runs once.
-pub fn single_run(stage: Runs) -> Grid {
+pub fn single_run(stage: ExecutableStage) -> Grid {
     match stage {
-        Runs::Vertex => Grid::Points { count: 1, texel: Texel::Uint },
-        Runs::Fragment => Grid::Image { width: 1, height: 1, texel: Texel::Uint },
-        Runs::Compute => Grid::Groups([1, 1, 1]),
+        ExecutableStage::Vertex => Grid::Points { count: 1, texel: Texel::Uint },
+        ExecutableStage::Fragment => Grid::Image { width: 1, height: 1, texel: Texel::Uint },
+        ExecutableStage::Compute => Grid::Groups([1, 1, 1]),
     }
 }

@@ -11,6 +11,7 @@ mod ir;
 mod serve;
 mod wire;
 
+use crate::backend::BackendKind;
 use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
@@ -177,7 +178,7 @@ impl Reader for Remote {
         texts: &[(landfall_layout::Stage, &str)],
         limit: Duration,
     ) -> Option<Result<super::reflection::Reflection, Failure>> {
-        (self.device.reader == "gl").then(|| Remote::reflect(self, texts, limit))
+        (self.device.reader == BackendKind::Gl).then(|| Remote::reflect(self, texts, limit))
     }
 }
 
@@ -214,7 +215,7 @@ impl Session {
         }
     }
 
-    fn run(&mut self, job: &Job, reader: &str) -> Result<(Answer, Times), Failure> {
+    fn run(&mut self, job: &Job, reader: BackendKind) -> Result<(Answer, Times), Failure> {
         let mut frame = Frame::default();
         let wire = WireJob::new(job, reader, &mut frame, |module| self.number(module))
             .map_err(unsendable)?;

@@ -16,6 +16,7 @@ pub mod pure;
 mod reads;
 pub mod report;
 
+use crate::backend::BackendKind;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -136,7 +137,7 @@ impl Job<'_> {
                     .to_string(),
             ),
         }
-        let driver = reader.filter(|reader| reader.device().reader != "cpu");
+        let driver = reader.filter(|reader| reader.device().reader.is_driver());
         let (device, answered) = match driver {
             Some(reader) => {
                 let device = reader.device().clone();
@@ -148,7 +149,7 @@ impl Job<'_> {
         };
         let evaluated = match (evaluated, &answered) {
             (Ok(evaluated), _) => Some(evaluated),
-            (Err(failure), None) => return Err(failed("cpu", &failure)),
+            (Err(failure), None) => return Err(failed(BackendKind::Cpu, &failure)),
             (Err(failure), Some(_)) => {
                 notes.push(format!("there is no f64 to compare with: {}", failure.message));
                 None
@@ -331,7 +332,7 @@ fn white<'h>(
     (!white.is_empty()).then(|| format!("`{names}` {are} white: --texture gives a colour"))
 }
 
-fn failed(reader: &str, failure: &Failure) -> Box<Diagnostic> {
+fn failed(reader: BackendKind, failure: &Failure) -> Box<Diagnostic> {
     let message = format!("{reader}: {}", failure.message);
     let mut found = Diagnostic::about("cannot-run", message, None, "");
     found.path = None;

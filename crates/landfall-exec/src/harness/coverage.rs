@@ -21,7 +21,7 @@ use crate::interp::{Cpu, Invocations, Port, Program, Settings};
 use landfall_ir::module::{EntryPoint, Module, ModuleBlock};
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{ArrayLen, Type};
-use landfall_layout::source::{Runs, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Source, Stage};
 use landfall_layout::{Diagnostic, Options};
 
 /// Invocations of a vertex or fragment stage that are run: 16 quads.
@@ -143,8 +143,8 @@ fn run(
     settings: &Settings,
     limit: Duration,
 ) -> Result<Vec<Vec<bool>>, Failure> {
-    match Runs::of(entry.stage) {
-        Some(Runs::Compute) => {
+    match ExecutableStage::of(entry.stage) {
+        Some(ExecutableStage::Compute) => {
             let mut cpu = Cpu::new(settings.clone());
             let stages = vec![StageCode {
                 stage: Stage::Compute,
@@ -157,7 +157,7 @@ fn run(
             cpu.run(&Job { stages, resources, grid: Grid::Groups([2, 1, 1]), limit })?;
             Ok(cpu.notes.read)
         }
-        Some(Runs::Vertex | Runs::Fragment) | None => {
+        Some(ExecutableStage::Vertex | ExecutableStage::Fragment) | None => {
             let program = Program::new(module, &[]);
             let ports: Vec<(Port, Vec<bool>)> = program.inputs(&entry.name);
             let invocations =

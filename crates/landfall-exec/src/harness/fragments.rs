@@ -175,6 +175,6 @@ impl FragmentShader {
 
     /// Whether a block is the loose uniforms of GLSL.
     pub fn is_loose(&self, block: &BlockLayout) -> bool {
-        self.language == Language::Glsl && &*block.name == "DefaultBlock" && !block.rules_declared
+        self.language == Language::Glsl && block.gathered
     }
 }

@@ -21,8 +21,8 @@ use landfall_layout::layout::BlockLayout;
 use landfall_layout::source::{Source, Stage};
 use landfall_layout::{Diagnostic, Options, ShaderLayout, layout};
 pub use report::{
-    BlockReport, Cause, CompiledRun, ElementReport, Form, Outcome, ReaderReport, ShaderReport,
-    Unprobed,
+    BlockReport, Cause, CompiledRun, ElementReport, Form, Outcome, ReadBy, ReaderReport,
+    ShaderReport, Unprobed,
 };
 
 use verifier::Verifier;
@@ -150,7 +150,7 @@ pub fn hold_spirv(
             (false, false) => (Outcome::Confirmed, None),
         };
         reported.readers.push(ReaderReport {
-            reader: "spirv",
+            reader: ReadBy::Spirv,
             stage: subject.source.stage.map_or("fragment", Stage::name),
             form: Form::Spirv,
             outcome,

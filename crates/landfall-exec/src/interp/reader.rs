@@ -2,6 +2,7 @@
 //!
 //! Takes a [`Job`], compiles its modules once, runs them on [`stage`](super::stage).
 
+use crate::backend::BackendKind;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -47,7 +48,7 @@ impl Cpu {
     /// One whose floats are rounded to less than they are written as.
     pub fn rounded(settings: Settings, floats: Floats) -> Cpu {
         let device = Device {
-            reader: "cpu",
+            reader: BackendKind::Cpu,
             adapter: "landfall evaluator".into(),
             driver: "landfall".into(),
             version: env!("CARGO_PKG_VERSION").into(),

@@ -2,7 +2,7 @@
 //!
 //! `walk` runs a [`Module`] on names instead of numbers, from its entry points, calls inlined:
 //! every value is a node of a `graph`, what is known of it is `facts`, and `judge` looks at each
-//! operation when it is met, under the conditions that hold there. What it says are [`Hazard`]s
+//! operation when it is met, under the conditions that hold there. What it says are [`Occurrence`]s
 //! with places in the user's text; `landfall_lint::hazards` makes findings of them.
 
 mod assume;
@@ -16,6 +16,7 @@ mod specular;
 mod verdict;
 mod walk;
 
+use crate::analysis::hazard::Hazard;
 use crate::analysis::roles::Held;
 use landfall_layout::source::{Language, Source, Span, Stage};
 use landfall_layout::{Diagnostic, Options};
@@ -79,6 +80,28 @@ impl Kind {
         Kind::AmbientPerLight,
         Kind::MediumpPosition,
     ];
+
+    /// Returns the hazards that code of this kind may meet.
+    pub fn hazards(self) -> &'static [Hazard] {
+        match self {
+            Kind::UnguardedNormalize => &[Hazard::LightAtFragment, Hazard::CameraAtFragment],
+            Kind::AttenuationDivision => &[Hazard::AttenuationAtLight, Hazard::AttenuationUnset],
+            Kind::ConeDivision => &[Hazard::EqualCutOffs, Hazard::ZeroWidthCone],
+            Kind::CosineCone => &[Hazard::NarrowCone],
+            Kind::DegreesForCosine => &[Hazard::ConeOutOfRange],
+            Kind::PowOfNegative => &[Hazard::PowOfNegative],
+            Kind::PowOfZero => &[Hazard::PowOfZero],
+            Kind::UninitialisedAccumulator => &[Hazard::Uninitialised],
+            Kind::UngatedSpecular => &[Hazard::HighlightFromBehind],
+            Kind::UnnormalisedNormal => &[Hazard::UnnormalisedNormal],
+            Kind::Vec4Normalise => &[Hazard::Vec4Normalise],
+            Kind::LoopPastCount => &[Hazard::LoopPastCount],
+            Kind::UnclampedCount => &[Hazard::CountPastArray],
+            Kind::KahanWithoutPrecise => &[Hazard::KahanWithoutPrecise],
+            Kind::AmbientPerLight => &[Hazard::AmbientPerLight],
+            Kind::MediumpPosition => &[Hazard::MediumpPosition],
+        }
+    }
 }
 
 /// How sure it is that some input meets the hazard.
@@ -103,13 +126,13 @@ impl Certainty {
     }
 }
 
-/// A place where numbers may go wrong.
+/// A place in a shader where a hazard may be met.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Hazard {
-    /// What may happen.
+pub struct Occurrence {
+    /// The lint that reports it.
     pub kind: Kind,
-    /// Its number in the table of hazards: `H1`.
-    pub id: &'static str,
+    /// What may happen.
+    pub hazard: Hazard,
     /// How sure it is.
     pub certainty: Certainty,
     /// The operation.
@@ -152,7 +175,7 @@ pub struct Access {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Found {
     /// Hazards in the order of the text, each place once.
-    pub hazards: Vec<Hazard>,
+    pub hazards: Vec<Occurrence>,
     /// Accesses to arrays of lights in the order they were met, each place once.
     pub accesses: Vec<Access>,
     /// Whether the shader was too long to be followed to its end.

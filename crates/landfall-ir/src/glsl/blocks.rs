@@ -14,7 +14,7 @@ use super::io::Io;
 use super::types::{Field, Kind, Structure, Ty};
 use super::{Help, Lowerer, R, refuse};
 use crate::module::ModuleBlock;
-use landfall_layout::shape::{AddressSpace, Type};
+use landfall_layout::shape::{AddressSpace, DEFAULT_BLOCK, Type};
 
 /// Elements of an array of blocks at most: each is a buffer of its own.
 const MOST_BLOCKS: u32 = 256;
@@ -42,10 +42,10 @@ impl<'a> Lowerer<'a> {
     }
 
     pub fn default_block(&mut self, name: Name<'a>) -> R<usize> {
-        if let Some(index) = self.blocks.iter().position(|b| &*b.layout.name == "DefaultBlock") {
+        if let Some(index) = self.blocks.iter().position(|b| b.layout.gathered) {
             return Ok(self.block_memory[index]);
         }
-        let found = self.layouts.iter().find(|l| &*l.name == "DefaultBlock");
+        let found = self.layouts.iter().find(|layout| layout.gathered);
         let Some(layout) = found.cloned() else {
             return Err(refuse(name.span, format!("`{}` has no layout", name.text)));
         };
@@ -56,7 +56,7 @@ impl<'a> Lowerer<'a> {
             };
             members.push(Field { name: member.name.to_string(), ty });
         }
-        let structure = self.new_structure("DefaultBlock", members);
+        let structure = self.new_structure(DEFAULT_BLOCK, members);
         self.make_memory(layout, structure, None, true)
     }
 

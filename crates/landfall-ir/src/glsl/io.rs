@@ -16,7 +16,7 @@ use super::types::{Kind, Ty};
 use super::{Lowerer, R, refuse};
 use crate::module::{EntryInterface, Inputs};
 use crate::reach;
-pub use landfall_layout::source::{Runs, Span, Stage};
+pub use landfall_layout::source::{ExecutableStage, Span, Stage};
 pub use landfall_layout::syntax::glsl::lexer::Token;
 
 /// Inputs or outputs of one shader at most.
@@ -117,7 +117,7 @@ pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
 /// Refuses stages that cannot run, by name.
 pub fn check_stage(stage: Option<Stage>) -> R<()> {
     match stage {
-        Some(other) if Runs::of(other).is_none() => {
+        Some(other) if ExecutableStage::of(other).is_none() => {
             let message = format!("a {} shader cannot run", other.name());
             let diagnostic = refuse(Span::default(), message);
             Err(Box::new(diagnostic.with_note("vertex, fragment and compute shaders can")))

@@ -27,7 +27,7 @@ mod target;
 pub mod types;
 
 use crate::diagnostic::Diagnostic;
-use crate::shape::{AddressSpace, Block, Majorness, OffsetOrder, Rules, Shape};
+use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, Majorness, OffsetOrder, Rules, Shape};
 use crate::source::{ReadOptions, Source, Span};
 use crate::syntax::Parsed;
 use declarations::Reader;
@@ -138,11 +138,12 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
         });
     }
     Some(Block {
-        name: "DefaultBlock".into(),
+        name: DEFAULT_BLOCK.into(),
         instance: None,
         space: if gather { AddressSpace::Uniform } else { AddressSpace::Default },
         rules: Rules::Std140,
         rules_declared: false,
+        gathered: true,
         group: None,
         binding: None,
         count: Vec::new(),

@@ -14,7 +14,6 @@ mod drivers;
 mod every;
 mod find;
 mod generate;
-pub mod hazard;
 mod judge;
 mod map;
 mod mutations;

@@ -61,6 +61,7 @@ pub fn members(shader: &FragmentShader) -> BindingMap {
         map.members.extend(block.leaves.iter().map(|leaf| Member {
             block: number,
             name: block.name.to_string(),
+            gathered: block.gathered,
             path: leaf.path.clone(),
             source: Source::Unknown,
         }));

@@ -9,13 +9,11 @@ use glam::DVec3;
 use super::model::Window;
 use super::undef::Undef;
 use crate::scene::Attenuation;
+use landfall_ir::analysis::hazard::threshold::{COORDINATE, LENGTH};
 
-/// Below this, `f32` squares lose their digits; the light counts as being at the fragment.
-const NEAREST: f64 = 1e-15;
-/// Above this, `f32` squares overflow.
-const FARTHEST: f64 = 1e18;
-/// Cosines nearer than this to the edge of a cone without a ramp are on either side of it.
-const EDGE: f64 = 1e-7;
+/// Cosines nearer than this are equal once rounded: `f32` numbers below 1 are 6e-8 apart. A cone
+/// whose two angles are equal divides 0 by 0 there, and nowhere else.
+const EQUAL: f64 = 1e-7;
 
 /// The unit vector along `v`.
 pub(super) fn unit(v: DVec3) -> Result<DVec3, Undef> {
@@ -33,8 +31,8 @@ pub(super) fn distance(v: DVec3, zero: Undef, near: Undef) -> Result<f64, Undef>
     match d {
         _ if d.is_nan() => Err(Undef::NotFinite),
         0.0 => Err(zero),
-        _ if d < NEAREST => Err(near),
-        _ if d > FARTHEST => Err(Undef::TooFar),
+        _ if d < LENGTH.value => Err(near),
+        _ if d > COORDINATE.value => Err(Undef::TooFar),
         _ => Ok(d),
     }
 }
@@ -105,7 +103,7 @@ pub(super) fn ramp(m: f64, outer: f64, inner: f64) -> Result<f64, Undef> {
         return Ok(((outer - m) / (outer - inner)).clamp(0.0, 1.0));
     }
     match m - outer {
-        near if near.abs() < EDGE => Err(Undef::EqualCones),
+        near if near.abs() < EQUAL => Err(Undef::EqualCones),
         past => Ok(if past < 0.0 { 1.0 } else { 0.0 }),
     }
 }

@@ -4,6 +4,8 @@
 
 use std::fmt;
 
+use landfall_ir::analysis::hazard::Hazard;
+
 /// Why there is no number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Undef {
@@ -53,20 +55,21 @@ impl Undef {
         Undef::NotFinite,
     ];
 
-    /// The hazard's id, such as `H1`.
-    pub fn hazard(self) -> &'static str {
+    /// Returns the hazard that leaves the fragment without a value.
+    pub fn hazard(self) -> Hazard {
         match self {
-            Undef::LightAtFragment | Undef::NoHalfVector => "H1",
-            Undef::LightAtFragmentUnattenuated => "H1b",
-            Undef::CameraAtFragment => "H2",
-            Undef::Attenuation => "H3",
-            Undef::TooFar => "H4",
-            Undef::TooNear => "H5",
-            Undef::EqualCones => "H6",
-            Undef::ZeroCone => "H8",
-            Undef::ZeroToZero => "H9",
-            Undef::ZeroToNegative => "H10",
-            Undef::ZeroVector | Undef::NotFinite => "H24",
+            Undef::LightAtFragment => Hazard::LightAtFragment,
+            Undef::NoHalfVector => Hazard::OppositeVectors,
+            Undef::LightAtFragmentUnattenuated => Hazard::AttenuationAtLight,
+            Undef::CameraAtFragment => Hazard::CameraAtFragment,
+            Undef::Attenuation => Hazard::AttenuationUnset,
+            Undef::TooFar => Hazard::Overflow,
+            Undef::TooNear => Hazard::Underflow,
+            Undef::EqualCones => Hazard::EqualCutOffs,
+            Undef::ZeroCone => Hazard::ZeroWidthCone,
+            Undef::ZeroToZero | Undef::ZeroToNegative => Hazard::PowOfZero,
+            Undef::ZeroVector => Hazard::ZeroDirection,
+            Undef::NotFinite => Hazard::NotFinite,
         }
     }
 }
@@ -90,6 +93,6 @@ impl fmt::Display for Undef {
             Undef::ZeroVector => "a normal or direction is zero",
             Undef::NotFinite => "an uploaded number, or the sum, is not finite",
         };
-        write!(f, "{}: {what}", self.hazard())
+        write!(f, "{}: {what}", self.hazard().code())
     }
 }

@@ -13,6 +13,7 @@ use crate::reference::{
     SpecularGate, Undef, Window, shade,
 };
 use crate::{Fragment, Frame, Upload, sample};
+use landfall_ir::analysis::hazard::threshold::EDGE;
 
 /// A picture by the reference.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,10 +27,6 @@ pub struct Truth {
     /// Fragments so near to an edge without a ramp that rounding decides their side.
     pub at_edges: u64,
 }
-
-/// How near to an edge, in cosines, `f32` may find a fragment on the other side: the cosine is of
-/// two vectors, each off by two units in the last place.
-const EDGE: f64 = 1e-6;
 
 /// Lights every fragment by the reference.
 pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Truth {
@@ -71,7 +68,7 @@ type Pixel = (Result<DVec3, Undef>, bool);
 fn pixel(model: &Model, upload: &Upload, fragment: &Fragment) -> Pixel {
     let texels = sample::texels(&upload.materials[fragment.material as usize], fragment.uv);
     match shade(model, upload, fragment, &texels) {
-        Ok(shaded) => (Ok(shaded.total), shaded.edge.is_some_and(|edge| edge.abs() < EDGE)),
+        Ok(shaded) => (Ok(shaded.total), shaded.edge.is_some_and(|edge| edge.abs() < EDGE.value)),
         Err(undef) => (Err(undef), false),
     }
 }

@@ -24,6 +24,6 @@ void main() {
     color = vec4(light.color / (light.constant + light.linear * d + light.quadratic * d * d), 1.0);
 }
 ",
-    fix: "divide by `max(…, 1.0e-6)`",
+    fix: "divide by `max(…, 1.0e-4)`",
     check: Check::Hazard(Kind::AttenuationDivision),
 };

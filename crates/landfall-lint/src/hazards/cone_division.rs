@@ -26,6 +26,6 @@ void main() {
     color = vec4(light.color * clamp(edge, 0.0, 1.0), 1.0);
 }
 ",
-    fix: "divide by `max(inner - outer, 1.0e-6)`, or refuse such a light in the program",
+    fix: "divide by `max(inner - outer, 1.0e-4)`, or refuse such a light in the program",
     check: Check::Hazard(Kind::ConeDivision),
 };

@@ -1,26 +1,27 @@
 //! Positions whose precision the text itself lowers: the IR has no precision to see it by.
 
-use landfall_ir::analysis::hazards::{Certainty, Hazard, Kind};
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_ir::analysis::hazards::{Certainty, Kind, Occurrence};
 use landfall_ir::analysis::roles::{Held, Role};
 use landfall_layout::ShaderLayout;
 use landfall_layout::source::{Language, Span};
 
 /// Positions of lights that are `mediump` or `lowp` by the text.
-pub(super) fn hazards(shader: &ShaderLayout, lights: &[Held<'_>]) -> Vec<Hazard> {
+pub(super) fn hazards(shader: &ShaderLayout, lights: &[Held<'_>]) -> Vec<Occurrence> {
     if shader.language != Language::Glsl || !is_embedded(shader) {
         return Vec::new();
     }
     let low = lowered_by_default(shader);
-    let mut found: Vec<Hazard> = Vec::new();
+    let mut found: Vec<Occurrence> = Vec::new();
     for light in lights {
         let Some(part) = light.roles.part(Role::Position) else { continue };
         let declared = before(shader, part.span);
         let says = |word: &str| declared.split(|c: char| !c.is_alphanumeric()).any(|w| w == word);
         let lowered = says("mediump") || says("lowp") || (low && !says("highp"));
         if lowered && !found.iter().any(|known| known.span == part.span) {
-            found.push(Hazard {
+            found.push(Occurrence {
                 kind: Kind::MediumpPosition,
-                id: "H22",
+                hazard: Hazard::MediumpPosition,
                 certainty: Certainty::Possible,
                 span: part.span,
                 about: light.full_path(part),

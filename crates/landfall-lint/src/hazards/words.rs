@@ -1,6 +1,7 @@
 //! What each hazard is called where it is: the message, and the form that has it not.
 
-use landfall_ir::analysis::hazards::{Certainty, Hazard, Kind};
+use landfall_ir::analysis::hazard::{Hazard, Threshold};
+use landfall_ir::analysis::hazards::{Certainty, Kind, Occurrence};
 use landfall_layout::source::Language;
 
 /// The words of one hazard.
@@ -12,47 +13,51 @@ pub(super) struct Words {
     pub help: String,
 }
 
-pub(super) fn of(hazard: &Hazard, language: Language) -> Words {
+pub(super) fn of(hazard: &Occurrence, language: Language) -> Words {
     let glsl = language == Language::Glsl;
     let root = if glsl { "inversesqrt" } else { "inverseSqrt" };
     let about = match hazard.about.as_str() {
         "" => "it".to_string(),
         path => format!("`{path}`"),
     };
+    let threshold = hazard.hazard.info().threshold;
+    let least = threshold.map(Threshold::literal).unwrap_or_default();
+    let least_square = threshold.map(Threshold::squared_literal).unwrap_or_default();
     let number = hazard.number.unwrap_or(0.0);
     let mut notes = Vec::new();
     let (message, text, help) = match hazard.kind {
         Kind::UnguardedNormalize => {
-            let where_ = match hazard.id {
-                "H2" => format!("where {about}, the camera, is at the surface"),
+            let where_ = match hazard.hazard {
+                Hazard::CameraAtFragment => format!("where {about}, the camera, is at the surface"),
                 _ => format!("where a light's {about} is at the surface"),
             };
             (
                 format!("a zero vector is normalised {where_}"),
                 "0 / 0",
-                format!("`v * {root}(max(dot(v, v), 1.0e-30))` keeps a zero vector zero"),
+                format!("`v * {root}(max(dot(v, v), {least_square}))` keeps a zero vector zero"),
             )
         }
-        Kind::AttenuationDivision if hazard.id == "H1b" => (
+        Kind::AttenuationDivision if hazard.hazard == Hazard::AttenuationAtLight => (
             format!("the light is divided by its squared distance, 0 where {about} is the surface"),
             "may divide by 0",
-            "divide by `max(dot(v, v), 1.0e-4)`: a light of 1 cm in metres".to_string(),
+            format!("divide by `max(dot(v, v), {least})`: a light of 1 cm in metres"),
         ),
         Kind::AttenuationDivision => (
             format!("the attenuation divides by 0 while {about} and the other coefficients are 0"),
             "may divide by 0",
-            "`1.0 / max(constant + d * (linear + quadratic * d), 1.0e-6)` has always a value"
-                .to_string(),
+            format!(
+                "`1.0 / max(constant + d * (linear + quadratic * d), {least})` has always a value"
+            ),
         ),
-        Kind::ConeDivision if hazard.id == "H8" => (
+        Kind::ConeDivision if hazard.hazard == Hazard::ZeroWidthCone => (
             format!("the cone divides by 0 where the angle of {about} is 0"),
             "may divide by 0",
-            "divide by `max(1.0 - cutoff, 1.0e-6)`".to_string(),
+            format!("divide by `max(1.0 - cutoff, {least})`"),
         ),
         Kind::ConeDivision => (
             format!("the cone divides by 0 where the angle of {about} equals the other one"),
             "may divide by 0",
-            "divide by `max(inner - outer, 1.0e-6)`: equal angles are then a hard edge".to_string(),
+            format!("divide by `max(inner - outer, {least})`: equal angles are then a hard edge"),
         ),
         Kind::CosineCone => (
             format!(

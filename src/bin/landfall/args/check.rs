@@ -86,13 +86,13 @@ pub struct MergeArgs {
 
 #[derive(Debug, clap::Args)]
 pub struct RuleArgs {
-    /// The lint's code; without one, all are listed
+    /// The code of a lint or hazard; without one, all are listed
     #[arg(value_name = "CODE")]
     pub code: Option<String>,
     /// Form of the output
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: RuleFormat,
-    /// Explain every lint
+    /// Explain every lint and hazard
     #[arg(long, conflicts_with = "code")]
     pub all: bool,
 }
@@ -100,7 +100,7 @@ pub struct RuleArgs {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RuleFormat {
     Human,
-    /// One object a lint
+    /// One object a lint or hazard
     Json,
     /// Markdown
     Md,

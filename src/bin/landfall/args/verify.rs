@@ -1,5 +1,6 @@
 //! Arguments of `landfall verify`.
 
+use landfall_exec::backend::BackendKind;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -78,12 +79,16 @@ pub enum ReaderName {
 impl ReaderName {
     pub const ALL: [ReaderName; 3] = [ReaderName::Cpu, ReaderName::Gl, ReaderName::Gpu];
 
-    pub fn name(self) -> &'static str {
+    pub fn kind(self) -> BackendKind {
         match self {
-            ReaderName::Cpu => "cpu",
-            ReaderName::Gl => "gl",
-            ReaderName::Gpu => "gpu",
+            ReaderName::Cpu => BackendKind::Cpu,
+            ReaderName::Gl => BackendKind::Gl,
+            ReaderName::Gpu => BackendKind::Gpu,
         }
+    }
+
+    pub fn name(self) -> &'static str {
+        self.kind().name()
     }
 }
 

@@ -52,6 +52,9 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Ok(settings) => settings,
         Err(found) => return Ok(could_not(found, streams)),
     };
+    for (was, now) in settings.resolve_renamed() {
+        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
+    }
     let options = config.options(&args.text, &args.levels.defines);
     let paths = config.paths(&args.paths);
     if Basis::wants_rust(&settings) {

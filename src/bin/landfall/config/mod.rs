@@ -17,7 +17,7 @@ use landfall_layout::file::FileWriter;
 use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
 use landfall_lint::settings::Target as Limits;
-use landfall_lint::{LINTS, Settings, lint};
+use landfall_lint::{LINTS, Settings, lint, renamed};
 
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
@@ -256,7 +256,7 @@ impl Config {
 
 /// Whether levels may be set for it.
 pub fn is_code(code: &str) -> bool {
-    code == "warnings" || code == "all" || lint(code).is_some()
+    code == "warnings" || code == "all" || lint(code).is_some() || renamed(code).is_some()
 }
 
 /// A code on the command line that no lint has.

@@ -5,6 +5,7 @@
 
 #![allow(unsafe_code, reason = "every call into EGL and OpenGL is unsafe")]
 
+use crate::backend::BackendKind;
 use std::ffi::c_void;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -261,7 +262,7 @@ unsafe fn device(gl: &glow::Context) -> Device {
         None => (vendor, version),
     };
     let software = SOFTWARE.iter().any(|name| adapter.contains(name));
-    Device { reader: "gl", adapter, driver, version, software }
+    Device { reader: BackendKind::Gl, adapter, driver, version, software }
 }
 
 /// # Safety

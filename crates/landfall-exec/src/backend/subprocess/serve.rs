@@ -1,5 +1,7 @@
 //! The side that loads the driver: questions from stdin, replies to stdout, until stdin ends.
 
+#[cfg(not(all(feature = "gl", feature = "gpu")))]
+use crate::backend::BackendKind;
 use std::collections::HashMap;
 use std::io::{self, BufReader};
 use std::sync::{Arc, mpsc};
@@ -152,7 +154,7 @@ impl Server<'_> {
 
     #[cfg(not(feature = "gl"))]
     fn reflect(&mut self, _: &[(landfall_layout::Stage, &str)]) -> Result<Reply, Failure> {
-        Err(absent("gl"))
+        Err(absent(BackendKind::Gl))
     }
 }
 
@@ -162,7 +164,7 @@ fn open(behind: &Behind, timed: bool) -> Result<Driver, Failure> {
         #[cfg(feature = "gl")]
         Behind::Gl => crate::backend::gl::Gl::open().map(Driver::Gl),
         #[cfg(not(feature = "gl"))]
-        Behind::Gl => Err(absent("gl")),
+        Behind::Gl => Err(absent(BackendKind::Gl)),
         #[cfg(feature = "gpu")]
         Behind::Gpu(adapter) => {
             let choice = crate::backend::wgpu::Choice { adapter: adapter.clone() };
@@ -170,7 +172,7 @@ fn open(behind: &Behind, timed: bool) -> Result<Driver, Failure> {
             Ok(Driver::Gpu(Box::new(if timed { gpu.timed() } else { gpu })))
         }
         #[cfg(not(feature = "gpu"))]
-        Behind::Gpu(_) => Err(absent("gpu")),
+        Behind::Gpu(_) => Err(absent(BackendKind::Gpu)),
     }
 }
 
@@ -179,11 +181,11 @@ fn list(behind: &Behind) -> Result<Vec<Found>, Failure> {
         #[cfg(feature = "gl")]
         Behind::Gl => crate::backend::gl::Gl::list(),
         #[cfg(not(feature = "gl"))]
-        Behind::Gl => Err(absent("gl")),
+        Behind::Gl => Err(absent(BackendKind::Gl)),
         #[cfg(feature = "gpu")]
         Behind::Gpu(_) => Ok(crate::backend::wgpu::Gpu::list()),
         #[cfg(not(feature = "gpu"))]
-        Behind::Gpu(_) => Err(absent("gpu")),
+        Behind::Gpu(_) => Err(absent(BackendKind::Gpu)),
     }
 }
 
@@ -198,7 +200,7 @@ fn module(_: &[u8]) -> io::Result<Module> {
 }
 
 #[cfg(not(all(feature = "gl", feature = "gpu")))]
-fn absent(reader: &'static str) -> Failure {
+fn absent(reader: BackendKind) -> Failure {
     match Found::not_built(reader).outcome {
         Err(failure) => failure,
         Ok(_) => unreachable!("what was not built is missing"),

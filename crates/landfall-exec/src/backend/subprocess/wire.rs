@@ -1,5 +1,6 @@
 //! Questions and replies as they travel, and the way from and to what they mean.
 
+use crate::backend::BackendKind;
 use std::io;
 use std::sync::Arc;
 use std::time::Duration;
@@ -117,7 +118,7 @@ impl WireJob {
     /// code that the reader takes is sent.
     pub(super) fn new(
         job: &Job,
-        reader: &str,
+        reader: BackendKind,
         frame: &mut Frame,
         mut number: impl FnMut(&Arc<Module>) -> io::Result<u64>,
     ) -> io::Result<WireJob> {
@@ -125,7 +126,7 @@ impl WireJob {
         for code in &job.stages {
             let (stage, entry) = (code.stage.name().to_string(), code.entry.clone());
             let mut sent = WireStage { stage, entry, module: None, glsl: None, spirv: None };
-            if reader == "gl" {
+            if reader == BackendKind::Gl {
                 sent.glsl = code.glsl.clone();
             } else if let Some(words) = &code.spirv {
                 let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
@@ -265,8 +266,9 @@ pub(super) fn stage(name: &str) -> io::Result<Stage> {
     Stage::from_name(name).ok_or_else(|| invalid("no such stage"))
 }
 
-fn known(reader: &str) -> io::Result<&'static str> {
-    ["gl", "gpu"].into_iter().find(|name| *name == reader).ok_or_else(|| invalid("no such reader"))
+fn known(reader: &str) -> io::Result<BackendKind> {
+    let kind = BackendKind::from_name(reader).filter(|kind| kind.is_driver());
+    kind.ok_or_else(|| invalid("no such reader"))
 }
 
 fn words(bytes: &[u8]) -> Vec<u32> {

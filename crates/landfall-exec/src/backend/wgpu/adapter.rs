@@ -1,5 +1,6 @@
 //! The adapters of this machine: which there are, which one to take, and what it takes.
 
+use crate::backend::BackendKind;
 use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceDescriptor};
 
 use crate::backend::devices::{Found, Limits};
@@ -60,11 +61,11 @@ pub(super) fn list() -> Vec<Found> {
         let kind = backend.to_str().to_string();
         if adapters.is_empty() {
             let outcome = Err(Failure::missing(none(backends), ""));
-            found.push(Found { reader: "gpu", kind: kind.clone(), outcome });
+            found.push(Found { reader: BackendKind::Gpu, kind: kind.clone(), outcome });
         }
         found.extend(adapters.iter().map(|adapter| {
             let outcome = Ok((device(adapter), limits(adapter)));
-            Found { reader: "gpu", kind: kind.clone(), outcome }
+            Found { reader: BackendKind::Gpu, kind: kind.clone(), outcome }
         }));
     }
     found
@@ -76,7 +77,7 @@ pub(super) fn device(adapter: &Adapter) -> Device {
     let driver =
         if info.driver.is_empty() { info.backend.to_str().to_string() } else { info.driver };
     Device {
-        reader: "gpu",
+        reader: BackendKind::Gpu,
         adapter: info.name,
         driver,
         version: info.driver_info,

@@ -22,7 +22,7 @@ use super::device::Open;
 use super::{needs, spirv};
 use crate::backend::{Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel};
 use landfall_ir::Module;
-use landfall_layout::source::{Runs, Stage};
+use landfall_layout::source::{ExecutableStage, Stage};
 
 /// The pipelines of one device.
 #[derive(Default)]
@@ -249,10 +249,10 @@ fn binding(resource: &Resource) -> Option<(u32, u32, Binding)> {
 }
 
 fn visibility(stage: Stage) -> ShaderStages {
-    match Runs::of(stage) {
-        Some(Runs::Vertex) => ShaderStages::VERTEX,
-        Some(Runs::Fragment) => ShaderStages::FRAGMENT,
-        Some(Runs::Compute) => ShaderStages::COMPUTE,
+    match ExecutableStage::of(stage) {
+        Some(ExecutableStage::Vertex) => ShaderStages::VERTEX,
+        Some(ExecutableStage::Fragment) => ShaderStages::FRAGMENT,
+        Some(ExecutableStage::Compute) => ShaderStages::COMPUTE,
         None => ShaderStages::NONE,
     }
 }

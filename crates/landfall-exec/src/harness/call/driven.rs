@@ -12,6 +12,7 @@ mod pieces;
 mod text;
 mod words;
 
+use crate::backend::BackendKind;
 use std::time::Duration;
 
 use naga::{AddressSpace, Statement};
@@ -94,7 +95,7 @@ impl Pure {
         let places = Places::of(self);
         let places = places.ok_or_else(|| Failure::refused("too large a call", ""))?;
         let code = match device.reader {
-            "gl" => text::code(self, &places)?,
+            BackendKind::Gl => text::code(self, &places)?,
             _ => module::code(self, &places)?,
         };
         Ok(Driven { pure: self, places, code })

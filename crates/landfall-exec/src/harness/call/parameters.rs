@@ -102,8 +102,8 @@ impl Listed {
 /// The members of a block as parameters.
 fn members(block: &Sampled, layout: &BlockLayout, language: Language) -> Vec<PureParameter> {
     let named = layout.instance.as_deref().or(match &*layout.name {
-        "DefaultBlock" | "" => None,
-        _ if language == Language::Glsl => None,
+        _ if layout.gathered || language == Language::Glsl => None,
+        "" => None,
         name => Some(name),
     });
     let members = block.members.iter().map(|member| {

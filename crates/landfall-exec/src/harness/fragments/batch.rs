@@ -1,5 +1,6 @@
 //! Fragments packed into images, run, and unpacked.
 
+use crate::backend::BackendKind;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -73,8 +74,8 @@ impl FragmentShader {
         batch: &Batch<'_>,
         mut after: impl FnMut(&mut R, usize),
     ) -> Result<Shaded, Failure> {
-        let is_gl = reader.device().reader == "gl";
-        let whole = reader.device().reader == "cpu";
+        let is_gl = reader.device().reader == BackendKind::Gl;
+        let whole = reader.device().reader == BackendKind::Cpu;
         self.fits(batch)?;
         let mut shaded = Shaded::default();
         shaded.colors.reserve(batch.count);

@@ -169,6 +169,7 @@ fn under(block: &BlockLayout, rules: Rules) -> Option<BlockLayout> {
         space: block.space,
         rules,
         rules_declared: true,
+        gathered: false,
         group: block.group,
         binding: block.binding,
         count: Vec::new(),

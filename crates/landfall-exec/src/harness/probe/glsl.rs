@@ -9,7 +9,7 @@ use super::plan::{Plan, Read, Way, top_member};
 use super::words;
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
-use landfall_layout::source::{Language, Runs, Source};
+use landfall_layout::source::{ExecutableStage, Language, Source};
 
 /// The storage block that holds the indices and takes the words.
 pub(crate) const RESULTS: &str = "LandfallWords";
@@ -20,7 +20,7 @@ pub(crate) fn text(
     block: &BlockLayout,
     element: &[u32],
     plan: &Plan,
-    stage: Runs,
+    stage: ExecutableStage,
 ) -> String {
     let head = Head::of(&source.text);
     let mut text = aside(source, &head);
@@ -51,14 +51,14 @@ pub(crate) fn aside(source: &Source, head: &Head) -> String {
 }
 
 /// What stands before a `main` of ours: the results' block, and a size where a workgroup has none.
-pub(crate) fn results(text: &mut String, source: &Source, stage: Runs, head: &Head) {
+pub(crate) fn results(text: &mut String, source: &Source, stage: ExecutableStage, head: &Head) {
     if head.es {
         text.push_str("precision highp float;\nprecision highp int;\n");
     }
     let precision = if head.es { "highp " } else { "" };
     let _ =
         writeln!(text, "layout(std430) buffer {RESULTS} {{ {precision}uint landfall_words[]; }};");
-    if stage == Runs::Compute && !is_sized(&source.text) {
+    if stage == ExecutableStage::Compute && !is_sized(&source.text) {
         text.push_str("layout(local_size_x = 1) in;\n");
     }
 }
@@ -69,15 +69,15 @@ pub(crate) fn is_sized(text: &str) -> bool {
 }
 
 /// A `main` of that stage, which one invocation runs.
-pub(crate) fn main(text: &mut String, stage: Runs, body: &str) {
+pub(crate) fn main(text: &mut String, stage: ExecutableStage, body: &str) {
     text.push_str("void main() {\n");
     match stage {
-        Runs::Vertex => text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n"),
+        ExecutableStage::Vertex => text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n"),
         // A group of the user's size would write every word many times over.
-        Runs::Compute => {
+        ExecutableStage::Compute => {
             text.push_str("    if (gl_GlobalInvocationID != uvec3(0u)) return;\n");
         }
-        Runs::Fragment => {}
+        ExecutableStage::Fragment => {}
     }
     text.push_str(body);
     text.push_str("}\n");
@@ -117,7 +117,7 @@ fn append(
     block: &BlockLayout,
     element: &[u32],
     plan: &Plan,
-    stage: Runs,
+    stage: ExecutableStage,
     head: &Head,
 ) {
     results(text, source, stage, head);

@@ -10,13 +10,18 @@ use super::plan::{Plan, Read, Way};
 use super::words;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ScalarKind, Type};
-use landfall_layout::source::{Language, Runs, Source};
+use landfall_layout::source::{ExecutableStage, Language, Source};
 
 /// The entry point that is added.
 pub(crate) const ENTRY: &str = "landfall_probe";
 
 /// The user's text and a probe after it.
-pub(crate) fn text(source: &Source, block: &BlockLayout, plan: &Plan, stage: Runs) -> String {
+pub(crate) fn text(
+    source: &Source,
+    block: &BlockLayout,
+    plan: &Plan,
+    stage: ExecutableStage,
+) -> String {
     let mut text = source.text.to_string();
     let binding = free_binding(&text);
     let _ = write!(
@@ -77,19 +82,21 @@ pub(crate) fn text(source: &Source, block: &BlockLayout, plan: &Plan, stage: Run
 }
 
 /// An entry point of that stage, which one invocation runs.
-pub(crate) fn entry(text: &mut String, name: &str, stage: Runs, body: &str) {
+pub(crate) fn entry(text: &mut String, name: &str, stage: ExecutableStage, body: &str) {
     let _ = match stage {
-        Runs::Vertex => writeln!(
+        ExecutableStage::Vertex => writeln!(
             text,
             "@vertex fn {name}() -> @builtin(position) vec4<f32> {{\n{body}    \
              return vec4<f32>(0.0, 0.0, 0.0, 1.0);\n}}"
         ),
-        Runs::Fragment => writeln!(
+        ExecutableStage::Fragment => writeln!(
             text,
             "@fragment fn {name}() -> @location(0) vec4<u32> {{\n{body}    \
              return vec4<u32>(0u);\n}}"
         ),
-        Runs::Compute => writeln!(text, "@compute @workgroup_size(1) fn {name}() {{\n{body}}}"),
+        ExecutableStage::Compute => {
+            writeln!(text, "@compute @workgroup_size(1) fn {name}() {{\n{body}}}")
+        }
     };
 }
 

@@ -1,6 +1,7 @@
 //! The code of a probe in the form its reader takes: the user's text for OpenGL, ported where
 //! OpenGL has no bytes for its uniforms, and a module for the evaluator and wgpu.
 
+use crate::backend::BackendKind;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -13,7 +14,7 @@ use landfall_ir::Module;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::port::{PortOptions, port};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Rules};
-use landfall_layout::source::{Language, ReadOptions, Runs, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Language, ReadOptions, Source, Stage};
 pub use landfall_layout::syntax::glsl::raw;
 use landfall_layout::{Diagnostic, Options, layout};
 
@@ -22,13 +23,13 @@ const NAGA_BINDING: u32 = 99;
 
 /// What code is needed of.
 pub(super) struct Need<'a> {
-    pub reader: &'static str,
+    pub reader: BackendKind,
     pub source: &'a Source,
     pub block: &'a BlockLayout,
     /// Which buffer of an array of blocks.
     pub element: &'a [u32],
     pub plan: &'a Plan,
-    pub stage: Runs,
+    pub stage: ExecutableStage,
     /// Whether the shader may write the block.
     pub writable: bool,
     pub options: &'a VerifyOptions,
@@ -53,10 +54,10 @@ pub(super) struct Bound {
 }
 
 /// The text that a reader is given.
-pub(super) fn form(reader: &str, source: &Source, block: &BlockLayout, naga: bool) -> Form {
+pub(super) fn form(reader: BackendKind, source: &Source, block: &BlockLayout, naga: bool) -> Form {
     match (reader, naga) {
-        ("gl", _) if is_loose(source, block) => Form::Ported,
-        ("gl", _) => Form::Original,
+        (BackendKind::Gl, _) if is_loose(source, block) => Form::Ported,
+        (BackendKind::Gl, _) => Form::Original,
         (_, false) => Form::Module,
         (_, true) => Form::Naga,
     }
@@ -64,21 +65,20 @@ pub(super) fn form(reader: &str, source: &Source, block: &BlockLayout, naga: boo
 
 /// Whether the block is the loose uniforms of a GLSL shader.
 pub(crate) fn is_loose(source: &Source, block: &BlockLayout) -> bool {
-    let gathered = &*block.name == "DefaultBlock" && !block.rules_declared;
-    source.language == Language::Glsl && gathered
+    source.language == Language::Glsl && block.gathered
 }
 
 /// The stage a probe runs in on a reader, or why it does not.
 pub(super) fn fits(
-    reader: &str,
+    reader: BackendKind,
     source: &Source,
     block: &BlockLayout,
     stage: Stage,
-) -> Result<Runs, String> {
-    let Some(runs) = Runs::of(stage) else {
+) -> Result<ExecutableStage, String> {
+    let Some(runs) = ExecutableStage::of(stage) else {
         return Err(format!("probes run in no {} stage", stage.name()));
     };
-    if reader != "gl" {
+    if reader != BackendKind::Gl {
         return Ok(runs);
     }
     match (source.language, block.space) {
@@ -128,12 +128,12 @@ fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure>
     let name = gl_name(&need.block.name, need.element);
     let probe = stage_code(need.stage.into(), "main", None, Some(without(text, "set")));
     let stages = match need.stage {
-        Runs::Vertex => vec![probe, fragment(need, source)?],
-        Runs::Fragment => {
+        ExecutableStage::Vertex => vec![probe, fragment(need, source)?],
+        ExecutableStage::Fragment => {
             let vertex = partner::vertex(source, &need.options.layout.read);
             vec![stage_code(Stage::Vertex, "main", None, Some(vertex)), probe]
         }
-        Runs::Compute => vec![probe],
+        ExecutableStage::Compute => vec![probe],
     };
     Ok(Code {
         stages,
@@ -147,7 +147,7 @@ fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure>
 fn fragment(need: &Need<'_>, source: &Source) -> Result<StageCode, Failure> {
     let source = partner::fragment(source);
     let module = match need.reader {
-        "gl" => None,
+        BackendKind::Gl => None,
         _ => {
             let made = Module::new(&source, &Options::default());
             Some(Arc::new(made.map_err(|found| refused("run", &found))?))
@@ -226,7 +226,7 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
         binding: results.binding,
     };
     let mut stages = vec![stage_code(need.stage.into(), entry, Some(Arc::new(module)), None)];
-    if need.stage == Runs::Vertex {
+    if need.stage == ExecutableStage::Vertex {
         stages.push(fragment(need, need.source)?);
     }
     Ok(Code { stages, block, results, writable: need.writable })

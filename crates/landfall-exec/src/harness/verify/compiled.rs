@@ -19,7 +19,7 @@ use crate::interp::{Port, Program};
 use landfall_ir::module::{EntryPoint, Module};
 use landfall_layout::Options;
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::source::{Files, Language, Runs, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Files, Language, Source, Stage};
 
 /// The image a fragment stage draws, and the workgroups a compute stage has.
 const SIZE: u32 = 16;
@@ -73,9 +73,9 @@ fn compare(
         return Err("the text has no entry point `main`".to_string());
     };
     let vertex = partner(&module, &entry)?;
-    let grid = match Runs::of(entry.stage) {
-        Some(Runs::Compute) => Grid::Groups(GROUPS),
-        Some(Runs::Vertex | Runs::Fragment) | None => {
+    let grid = match ExecutableStage::of(entry.stage) {
+        Some(ExecutableStage::Compute) => Grid::Groups(GROUPS),
+        Some(ExecutableStage::Vertex | ExecutableStage::Fragment) | None => {
             Grid::Image { width: SIZE, height: SIZE, texel: Texel::Float }
         }
     };
@@ -133,10 +133,10 @@ fn resources(module: &Module, filling: Filling, source: &Source) -> Result<Vec<R
 
 /// A vertex stage that gives a fragment stage inputs, small numbers that vary over the image.
 fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, String> {
-    match Runs::of(entry.stage) {
-        Some(Runs::Compute) => return Ok(None),
-        Some(Runs::Fragment) => {}
-        Some(Runs::Vertex) | None => {
+    match ExecutableStage::of(entry.stage) {
+        Some(ExecutableStage::Compute) => return Ok(None),
+        Some(ExecutableStage::Fragment) => {}
+        Some(ExecutableStage::Vertex) | None => {
             return Err(format!("a {} stage is not run", entry.stage.name()));
         }
     }

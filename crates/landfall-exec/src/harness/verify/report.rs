@@ -3,6 +3,7 @@
 //! Plain data, as `landfall schema verify` describes it; made by
 //! [`verify`](super::verify), printed by the report of `landfall verify`.
 
+use crate::backend::BackendKind;
 use serde::Serialize;
 
 use crate::backend::{Device, Failure};
@@ -26,7 +27,7 @@ pub struct ShaderReport {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CompiledRun {
     /// Who ran both.
-    pub reader: &'static str,
+    pub reader: BackendKind,
     /// Whether they gave the same; skipped where it could not be run.
     pub outcome: Outcome,
     /// Words of images and buffers that were compared.
@@ -69,11 +70,36 @@ pub struct Unprobed {
     pub reason: String,
 }
 
+/// What tells where a block's members are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReadBy {
+    /// A probe on a backend.
+    Backend(BackendKind),
+    /// The decorations of a user's own SPIR-V, which nothing ran.
+    Spirv,
+}
+
+impl ReadBy {
+    /// Returns the name in reports: `cpu`, `gl`, `gpu`, `spirv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            ReadBy::Backend(kind) => kind.name(),
+            ReadBy::Spirv => "spirv",
+        }
+    }
+}
+
+impl Serialize for ReadBy {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
 /// What one reader saw of one block.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReaderReport {
-    /// `cpu`, `gl` or `gpu`.
-    pub reader: &'static str,
+    /// Which reader.
+    pub reader: ReadBy,
     /// The stage that read.
     pub stage: &'static str,
     /// The text that was run.
@@ -154,7 +180,7 @@ pub enum Attendance {
     /// It could not be had.
     Missing {
         /// `cpu`, `gl` or `gpu`.
-        reader: &'static str,
+        reader: BackendKind,
         /// Why.
         failure: Failure,
     },

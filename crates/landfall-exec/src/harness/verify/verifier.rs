@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use super::code;
 use super::code::{Code, Need};
 use super::{
-    BlockReport, Cause, ElementReport, Form, Outcome, ReaderReport, Unprobed, VerifyOptions,
-    reported,
+    BlockReport, Cause, ElementReport, Form, Outcome, ReadBy, ReaderReport, Unprobed,
+    VerifyOptions, reported,
 };
 use crate::backend::{Failure, FailureKind, Job, Reader, Resource, ResourceKind};
 use crate::harness::bindings::kind as buffer_of;
@@ -17,7 +17,7 @@ use crate::harness::probe::{Got, Sighting, cause, judge, words};
 use landfall_layout::buffer::Buffer;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
-use landfall_layout::source::{Runs, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Source, Stage};
 
 /// Buffers of one dimension of an array of blocks that are bound at most.
 const MOST_BUFFERS: u32 = 64;
@@ -130,7 +130,7 @@ impl Verifier<'_> {
     ) -> ReaderReport {
         let name = reader.device().reader;
         let mut report = ReaderReport {
-            reader: name,
+            reader: ReadBy::Backend(name),
             stage: stage.name(),
             form: code::form(name, self.source, self.block, self.options.naga),
             outcome: Outcome::Confirmed,
@@ -212,7 +212,7 @@ impl Verifier<'_> {
     fn run(
         &self,
         reader: &mut dyn Reader,
-        stage: Runs,
+        stage: ExecutableStage,
         element: &[u32],
         plan: &Plan,
         buffer: u64,
@@ -247,7 +247,7 @@ impl Verifier<'_> {
         &self,
         reader: &mut dyn Reader,
         code: &Code,
-        stage: Runs,
+        stage: ExecutableStage,
         plan: &Plan,
         bytes: Vec<u8>,
     ) -> Result<Words, Failure> {
@@ -354,7 +354,7 @@ fn bytes(block: &BlockLayout) -> Result<u64, String> {
 
 fn skipped(reader: &dyn Reader, stage: Stage, reason: &str) -> ReaderReport {
     ReaderReport {
-        reader: reader.device().reader,
+        reader: ReadBy::Backend(reader.device().reader),
         stage: stage.name(),
         form: Form::Original,
         outcome: Outcome::Skipped,

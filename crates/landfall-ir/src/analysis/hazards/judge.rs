@@ -6,7 +6,8 @@
 use super::graph::{Id, Leaf, Op, Origin};
 use super::memory::Value;
 use super::walk::{Frame, Walk};
-use super::{Certainty, Hazard, Kind};
+use super::{Certainty, Hazard, Kind, Occurrence};
+use crate::analysis::hazard::threshold::COSINE;
 use crate::analysis::roles::Role;
 use crate::analysis::words;
 use landfall_layout::source::{Language, Span};
@@ -15,7 +16,7 @@ use naga::{BinaryOperator as B, MathFunction as M};
 /// A hazard that a choice around it may still rule out.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    pub hazard: Hazard,
+    pub hazard: Occurrence,
     node: Id,
     /// What must not be zero, or not be negative, for it to be none.
     need: Option<Need>,
@@ -23,7 +24,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// One that nothing rules out.
-    pub fn plain(hazard: Hazard) -> Candidate {
+    pub fn plain(hazard: Occurrence) -> Candidate {
         Candidate { hazard, node: 0, need: None }
     }
 }
@@ -37,20 +38,17 @@ enum Need {
 /// Hazards before a choice that it may rule out.
 const MOST_RECONSIDERED: usize = 64;
 
-/// Cosines are below this; what they are compared with should be.
-const PAST_ONE: f64 = 1.0001;
-
 impl<'m> Walk<'m> {
     pub fn report(
         &mut self,
         kind: Kind,
-        id: &'static str,
+        hazard: Hazard,
         certainty: Certainty,
         span: Span,
         about: String,
     ) -> &mut Candidate {
-        let hazard = Hazard { kind, id, certainty, span, about, number: None };
-        self.candidates.push(Candidate::plain(hazard));
+        let found = Occurrence { kind, hazard, certainty, span, about, number: None };
+        self.candidates.push(Candidate::plain(found));
         self.candidates.last_mut().expect("just pushed")
     }
 
@@ -82,7 +80,13 @@ impl<'m> Walk<'m> {
             (M::Normalize, &[v]) => {
                 if wide && self.is_wide_normal(v) {
                     let kind = Kind::Vec4Normalise;
-                    self.report(kind, "H15", Certainty::Likely, span, String::new());
+                    self.report(
+                        kind,
+                        Hazard::Vec4Normalise,
+                        Certainty::Likely,
+                        span,
+                        String::new(),
+                    );
                 }
                 self.look_at_direction(v, id, span);
             }
@@ -103,9 +107,21 @@ impl<'m> Walk<'m> {
             (M::SmoothStep, &[low, high, x]) => {
                 let cones = [low, high].map(|edge| self.cone(edge));
                 if let [Some(about), Some(_)] = cones {
-                    self.report(Kind::ConeDivision, "H6", Certainty::Possible, span, about.clone());
+                    self.report(
+                        Kind::ConeDivision,
+                        Hazard::EqualCutOffs,
+                        Certainty::Possible,
+                        span,
+                        about.clone(),
+                    );
                     if self.is_cosine(x) {
-                        self.report(Kind::CosineCone, "H17", Certainty::Possible, span, about);
+                        self.report(
+                            Kind::CosineCone,
+                            Hazard::NarrowCone,
+                            Certainty::Possible,
+                            span,
+                            about,
+                        );
                     }
                 }
             }
@@ -122,13 +138,25 @@ impl<'m> Walk<'m> {
             }
             B::Subtract => {
                 if let (true, Some(about)) = (self.is_cosine(a), self.cone(b)) {
-                    self.report(Kind::CosineCone, "H17", Certainty::Possible, span, about.clone());
+                    self.report(
+                        Kind::CosineCone,
+                        Hazard::NarrowCone,
+                        Certainty::Possible,
+                        span,
+                        about.clone(),
+                    );
                     let (kind, sure) = (Kind::DegreesForCosine, Certainty::Possible);
-                    self.report(kind, "H7", sure, span, about);
+                    self.report(kind, Hazard::ConeOutOfRange, sure, span, about);
                 }
                 if self.is_compensation(a, b) && !self.setting.precise {
                     let kind = Kind::KahanWithoutPrecise;
-                    self.report(kind, "Kahan", Certainty::Certain, span, String::new());
+                    self.report(
+                        kind,
+                        Hazard::KahanWithoutPrecise,
+                        Certainty::Certain,
+                        span,
+                        String::new(),
+                    );
                 }
             }
             _ => {}
@@ -153,7 +181,13 @@ impl<'m> Walk<'m> {
         let mut locals = frame.function.local_variables.iter();
         let name = local.and_then(|local| locals.nth(local)).and_then(|(_, v)| v.name.clone());
         let kind = Kind::UninitialisedAccumulator;
-        self.report(kind, "H12", Certainty::Certain, span, name.unwrap_or_default());
+        self.report(
+            kind,
+            Hazard::Uninitialised,
+            Certainty::Certain,
+            span,
+            name.unwrap_or_default(),
+        );
     }
 
     fn is_summand(&self, of: Id, sum: Id, depth: u32) -> bool {
@@ -173,7 +207,7 @@ impl<'m> Walk<'m> {
     }
 
     /// Whether a vector goes from one point to another of which one is a light or the camera.
-    fn difference(&self, v: Id) -> Option<(&'static str, String)> {
+    fn difference(&self, v: Id) -> Option<(Hazard, String)> {
         let (a, b) = self.graph.binary(self.graph.bare(v), B::Subtract)?;
         let position = |leaf: &Leaf| leaf.role == Some(Role::Position);
         let camera = |leaf: &Leaf| {
@@ -195,7 +229,9 @@ impl<'m> Walk<'m> {
             };
             one_of(a, b).or_else(|| one_of(b, a))
         };
-        find(&position).map(|path| ("H1", path)).or_else(|| find(&camera).map(|path| ("H2", path)))
+        find(&position)
+            .map(|path| (Hazard::LightAtFragment, path))
+            .or_else(|| find(&camera).map(|path| (Hazard::CameraAtFragment, path)))
     }
 
     /// The vector whose square, or length, that is.
@@ -219,7 +255,9 @@ impl<'m> Walk<'m> {
             let Some((number, about)) = self.difference(v) else { return };
             match v == above {
                 true => (Kind::UnguardedNormalize, number, about),
-                false if number == "H1" => (Kind::AttenuationDivision, "H1b", about),
+                false if number == Hazard::LightAtFragment => {
+                    (Kind::AttenuationDivision, Hazard::AttenuationAtLight, about)
+                }
                 false => return,
             }
         } else if let Some(leaf) = {
@@ -227,12 +265,16 @@ impl<'m> Walk<'m> {
             let first = self.graph.leaf_below(below, &first);
             first.or_else(|| self.graph.leaf_below(below, &weakens))
         } {
-            (Kind::AttenuationDivision, "H3", leaf.path.clone())
+            (Kind::AttenuationDivision, Hazard::AttenuationUnset, leaf.path.clone())
         } else if let Some(leaf) = self.graph.leaf_below(below, &cone) {
             // `inner - outer`, or `1 - cutoff`.
             let Some((a, b)) = self.graph.binary(below, B::Subtract) else { return };
             let both = [a, b].iter().all(|&id| self.graph.leaf_below(id, &cone).is_some());
-            (Kind::ConeDivision, if both { "H6" } else { "H8" }, leaf.path.clone())
+            (
+                Kind::ConeDivision,
+                if both { Hazard::EqualCutOffs } else { Hazard::ZeroWidthCone },
+                leaf.path.clone(),
+            )
         } else {
             return;
         };
@@ -246,14 +288,26 @@ impl<'m> Walk<'m> {
             return;
         }
         if let Some(about) = self.cone(b) {
-            self.report(Kind::CosineCone, "H17", Certainty::Possible, span, about.clone());
+            self.report(
+                Kind::CosineCone,
+                Hazard::NarrowCone,
+                Certainty::Possible,
+                span,
+                about.clone(),
+            );
             // Whether it is in degrees its name or comment may tell.
-            self.report(Kind::DegreesForCosine, "H7", Certainty::Possible, span, about);
+            self.report(
+                Kind::DegreesForCosine,
+                Hazard::ConeOutOfRange,
+                Certainty::Possible,
+                span,
+                about,
+            );
             return;
         }
         let degrees = match (self.graph.op(b), self.graph.args(b)) {
             (Op::Number(_), _) => {
-                self.graph.value(b).filter(|number| (PAST_ONE..=360.0).contains(&number.abs()))
+                self.graph.value(b).filter(|number| (COSINE.value..=360.0).contains(&number.abs()))
             }
             // No cone is wider than pi radians.
             (Op::Math(M::Cos), &[angle]) => {
@@ -263,8 +317,9 @@ impl<'m> Walk<'m> {
         };
         if degrees.is_some() {
             let kind = Kind::DegreesForCosine;
-            self.report(kind, "H7", Certainty::Certain, span, String::new()).hazard.number =
-                degrees;
+            self.report(kind, Hazard::ConeOutOfRange, Certainty::Certain, span, String::new())
+                .hazard
+                .number = degrees;
         }
     }
 
@@ -308,14 +363,15 @@ impl<'m> Walk<'m> {
                 true => Certainty::Likely,
                 false => Certainty::Possible,
             };
-            let candidate = self.report(Kind::PowOfNegative, "H10", sure, span, about);
+            let candidate =
+                self.report(Kind::PowOfNegative, Hazard::PowOfNegative, sure, span, about);
             (candidate.node, candidate.need) = (id, Some(Need::NotNegative(base)));
         } else if !x.nonzero && n.low <= 0.0 {
             let sure = match n.low.is_finite() {
                 true => Certainty::Likely,
                 false => Certainty::Possible,
             };
-            let candidate = self.report(Kind::PowOfZero, "H9", sure, span, about);
+            let candidate = self.report(Kind::PowOfZero, Hazard::PowOfZero, sure, span, about);
             (candidate.node, candidate.need) = (id, Some(Need::Nonzero(base)));
         }
     }
@@ -354,7 +410,7 @@ impl<'m> Walk<'m> {
         let said = words::words(&leaf.name);
         if said.iter().any(|word| ["normal", "normals", "norm", "nrm"].contains(&word.as_str())) {
             let about = leaf.path.clone();
-            self.report(Kind::UnnormalisedNormal, "H14", sure, span, about);
+            self.report(Kind::UnnormalisedNormal, Hazard::UnnormalisedNormal, sure, span, about);
         }
     }
 

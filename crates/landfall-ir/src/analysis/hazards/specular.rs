@@ -7,7 +7,7 @@ use naga::{BinaryOperator as B, MathFunction as M};
 use super::graph::{Id, Op};
 use super::judge::Candidate;
 use super::walk::Walk;
-use super::{Certainty, Hazard, Kind};
+use super::{Certainty, Hazard, Kind, Occurrence};
 use landfall_layout::source::Span;
 
 /// Values above a power that are looked at.
@@ -83,10 +83,10 @@ impl Walk<'_> {
             if power.gated || self.is_multiplied(&above, &power) {
                 continue;
             }
-            let (kind, id) = (Kind::UngatedSpecular, "H13");
-            let (certainty, span) = (Certainty::Possible, power.span);
-            let hazard = Hazard { kind, id, certainty, span, about: String::new(), number: None };
-            self.candidates.push(Candidate::plain(hazard));
+            let (kind, hazard) = (Kind::UngatedSpecular, Hazard::HighlightFromBehind);
+            let (certainty, span, about) = (Certainty::Possible, power.span, String::new());
+            let found = Occurrence { kind, hazard, certainty, span, about, number: None };
+            self.candidates.push(Candidate::plain(found));
         }
     }
 

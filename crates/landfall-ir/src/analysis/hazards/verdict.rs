@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::graph::{Id, Leaf};
 use super::judge::Candidate;
 use super::walk::Walk;
-use super::{Access, Bound, Certainty, Found, Hazard, Kind};
+use super::{Access, Bound, Certainty, Found, Hazard, Kind, Occurrence};
 use crate::analysis::roles::Role;
 use landfall_layout::source::Span;
 
@@ -16,7 +16,7 @@ impl Walk<'_> {
         self.look_at_specular();
         self.look_at_accesses();
         let cut_short = self.is_cut_short();
-        let mut hazards: Vec<Hazard> = Vec::new();
+        let mut hazards: Vec<Occurrence> = Vec::new();
         let mut places: FxHashMap<(Kind, Span), usize> = FxHashMap::default();
         for Candidate { hazard, .. } in std::mem::take(&mut self.candidates) {
             let next = hazards.len();
@@ -60,12 +60,24 @@ impl Walk<'_> {
                         true => Certainty::Possible,
                         false => Certainty::Likely,
                     };
-                    let found = self.report(Kind::LoopPastCount, "H3b", sure, access.span, name);
+                    let found = self.report(
+                        Kind::LoopPastCount,
+                        Hazard::LoopPastCount,
+                        sure,
+                        access.span,
+                        name,
+                    );
                     found.hazard.number = Some(n as f64);
                 }
                 Bound::Count => {
                     let kind = Kind::UnclampedCount;
-                    let found = self.report(kind, "H23", Certainty::Possible, access.span, name);
+                    let found = self.report(
+                        kind,
+                        Hazard::CountPastArray,
+                        Certainty::Possible,
+                        access.span,
+                        name,
+                    );
                     found.hazard.number = Some(slots as f64);
                 }
                 Bound::Constant(_)
@@ -83,7 +95,13 @@ impl Walk<'_> {
             let several = light.slots().is_none_or(|slots| slots > 1) && !light.dims.is_empty();
             let Some(part) = light.roles.part(Role::Ambient).filter(|_| several) else { continue };
             let (span, about) = (part.span, light.full_path(part));
-            self.report(Kind::AmbientPerLight, "H20", Certainty::Possible, span, about);
+            self.report(
+                Kind::AmbientPerLight,
+                Hazard::AmbientPerLight,
+                Certainty::Possible,
+                span,
+                about,
+            );
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
 use crate::lock::check::Within;
 use crate::lock::place::{Object, Place, WRITE_AGAIN};
 use crate::lock::{Lock, Verified, check, spelling};
-use crate::shape::{AddressSpace, ArrayLen, Majorness, Member, Rules, Struct, Type};
+use crate::shape::{AddressSpace, ArrayLen, DEFAULT_BLOCK, Majorness, Member, Rules, Struct, Type};
 use crate::source::{Files, Language, Span, Stage, Target};
 use crate::text::json::{Node, Value};
 
@@ -190,8 +190,10 @@ impl Reader<'_> {
                 format!("has more than {MOST_LEAVES} members at the ends of a block's tree");
             return Err(place.error(object.at, &message).with_help(WRITE_AGAIN));
         }
+        let name = place.text(name_node, "name")?;
+        let rules_declared = declared.unwrap_or(!loose);
         let mut block = BlockLayout {
-            name: Arc::from(place.text(name_node, "name")?),
+            name: Arc::from(name),
             instance: object
                 .get("instance")
                 .map(|n| place.text(n, "instance"))
@@ -203,7 +205,9 @@ impl Reader<'_> {
             } else {
                 self.word(object, "rules", &all, Rules::name)?
             },
-            rules_declared: declared.unwrap_or(!loose),
+            rules_declared,
+            // A lock has no other record of it.
+            gathered: loose || (!rules_declared && name == DEFAULT_BLOCK),
             group: self.slot(object, "group")?,
             binding: self.slot(object, "binding")?,
             count,

@@ -100,6 +100,7 @@ impl<'a> Reader<'a> {
             space,
             rules,
             rules_declared,
+            gathered: false,
             group,
             binding,
             count,

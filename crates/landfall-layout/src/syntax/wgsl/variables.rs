@@ -73,6 +73,7 @@ fn made(
         space,
         rules: Rules::Wgsl,
         rules_declared: true,
+        gathered: false,
         group: number(attributes.group),
         binding: number(attributes.binding),
         count,

@@ -7,9 +7,7 @@ use std::thread;
 use super::errors::Errors;
 use crate::reference::{Model, shade};
 use crate::{Fragment, Frame, Upload, sample};
-
-/// How near to an edge without a ramp, in cosines, `f32` may find a fragment on the other side.
-const EDGE: f64 = 1e-6;
+use landfall_ir::analysis::hazard::threshold::EDGE;
 
 /// A scene made ready to be lit by many.
 #[derive(Clone, Debug)]
@@ -62,7 +60,7 @@ fn truth(model: &Model, upload: &Upload, frame: &Frame) -> Vec<Option<[f64; 3]>>
     let one = |fragment: &Fragment| {
         let texels = sample::texels(&upload.materials[fragment.material as usize], fragment.uv);
         let shaded = shade(model, upload, fragment, &texels).ok()?;
-        let at_edge = shaded.edge.is_some_and(|edge| edge.abs() < EDGE);
+        let at_edge = shaded.edge.is_some_and(|edge| edge.abs() < EDGE.value);
         (!at_edge).then(|| shaded.total.to_array())
     };
     let threads = thread::available_parallelism().map_or(1, usize::from);

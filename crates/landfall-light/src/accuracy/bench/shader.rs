@@ -3,6 +3,7 @@
 //! What is uploaded is made once before ([`Uploaded`]); a run is the jobs of [`fragments`](landfall_exec::harness::fragments)
 //! with their upload and read-back, of which a shader that only adds its inputs up has as much.
 
+use landfall_exec::backend::BackendKind;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -30,7 +31,7 @@ pub struct Shader<'a> {
 impl<'a> Shader<'a> {
     /// A shader by a reader.
     pub fn new(uploaded: &'a Uploaded<'a>, reader: Shared) -> Shader<'a> {
-        let is_gl = reader.borrow().device().reader == "gl";
+        let is_gl = reader.borrow().device().reader == BackendKind::Gl;
         let fragments = uploaded.stage.frame.fragments.len();
         let trivial = trivial(&uploaded.renderer.shader, is_gl, fragments);
         Shader { uploaded, reader, trivial }

@@ -7,8 +7,6 @@
 mod look;
 
 use super::blame::Graph;
-use super::hazard as h;
-use super::hazard::Hazard;
 use super::input::{Input, Sample};
 use super::measure::{Outcome, floats, outcome};
 use super::sample::{Plan, columns, settings};
@@ -17,13 +15,14 @@ use landfall_exec::harness::call::pure::{Pure, PureCalled};
 use landfall_exec::interp::{
     Number, Operation, Place, Settings, Source, Step, Trace, UndefinedKind,
 };
+use landfall_ir::analysis::hazard::Hazard;
 
 use look::Look;
 
 /// What a sample meets.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
-    pub hazard: &'static Hazard,
+    pub hazard: Hazard,
     pub place: Place,
     /// The operation: what it is, what it had, what it gave.
     pub operation: Option<Performed>,
@@ -49,7 +48,7 @@ impl Candidate {
     /// Findings are told apart by what it is and the line it is in.
     pub fn key(&self, pure: &Pure) -> (&'static str, u32, u32) {
         let at = pure.files.locate(self.place.span);
-        (self.hazard.code, self.place.span.file, at.line)
+        (self.hazard.code(), self.place.span.file, at.line)
     }
 }
 
@@ -84,16 +83,16 @@ pub(super) fn examine(
     for seen in &called.called.notes.undefined {
         let kind = seen.kind;
         let hazard = match kind {
-            UndefinedKind::Uninitialised => &h::UNINITIALISED,
+            UndefinedKind::Uninitialised => Hazard::Uninitialised,
             UndefinedKind::IndexOutOfBounds | UndefinedKind::PastEndOfBuffer => {
-                &h::COUNT_PAST_ARRAY
+                Hazard::CountPastArray
             }
             UndefinedKind::IntegerDivisionByZero
             | UndefinedKind::IntegerOverflow
             | UndefinedKind::ShiftTooFar
             | UndefinedKind::BitsOutOfRange
             | UndefinedKind::ConversionOutOfRange
-            | UndefinedKind::NanFromBuffer => &h::UNDEFINED_OPERATION,
+            | UndefinedKind::NanFromBuffer => Hazard::UndefinedOperation,
             // Those are seen in the trace, with where their operands came from.
             UndefinedKind::DivisionByZero
             | UndefinedKind::ZeroTimesInfinity

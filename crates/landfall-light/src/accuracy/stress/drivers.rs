@@ -10,7 +10,7 @@ use super::input::{Input, Sample};
 use super::judge::{Judge, Seen, Why, singles};
 use super::measure::{Outcome, floats};
 use super::sample::Plan;
-use landfall_exec::backend::{FailureKind, Reader};
+use landfall_exec::backend::{BackendKind, FailureKind, Reader};
 use landfall_exec::harness::call::driven::{Driven, DrivenCalled};
 use landfall_exec::harness::call::pure::{Pure, PureCalled};
 
@@ -74,7 +74,7 @@ impl Batch {
 }
 
 /// A driver's name, and by sample the floats it gives, or why it gives none.
-pub(super) type Given = (&'static str, Result<Vec<Vec<f32>>, String>);
+pub(super) type Given = (BackendKind, Result<Vec<Vec<f32>>, String>);
 
 /// A driver at work.
 struct Seat<'r> {
@@ -106,7 +106,7 @@ impl<'r> Drivers<'r> {
         readers: &'r mut [Box<dyn Reader>],
         plan: &Plan,
     ) -> Drivers<'r> {
-        let drivers = readers.iter_mut().filter(|reader| reader.device().reader != "cpu");
+        let drivers = readers.iter_mut().filter(|reader| reader.device().reader.is_driver());
         let seats = drivers.map(|reader| {
             let device = reader.device().clone();
             let (driven, failure) = match pure.on(&device) {

@@ -10,13 +10,14 @@ use rustc_hash::FxHashMap;
 use super::classify::{Candidate, Examined, examine};
 use super::climb::{Climbs, Whose, climb};
 use super::generate::Generator;
-use super::hazard;
 use super::input::Sample;
 use super::measure::Outcome;
 use super::random::Random;
 use super::sample::{Exemplars, Kept, Plan, Why};
 use super::shrink::{plausible, shrink};
 use landfall_exec::harness::call::pure::Pure;
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_layout::finding::Level;
 
 /// A finding before it is written up.
 #[derive(Clone, Debug)]
@@ -138,10 +139,10 @@ pub(super) fn findings(
 }
 
 /// Those of scenes first, then by how much they matter.
-fn order_of(raw: &Raw) -> (bool, std::cmp::Reverse<landfall_layout::finding::Level>, bool, usize) {
-    let place = hazard::HAZARDS.iter().position(|h| *h == raw.candidate.hazard).unwrap_or(0);
-    let plain = raw.candidate.hazard.id.is_empty();
-    (!raw.plausible, std::cmp::Reverse(raw.candidate.hazard.level), plain, place)
+fn order_of(raw: &Raw) -> (bool, std::cmp::Reverse<Level>, bool, Hazard) {
+    let hazard = raw.candidate.hazard;
+    let level = std::cmp::Reverse(hazard.info().level);
+    (!raw.plausible, level, hazard.is_arithmetic(), hazard)
 }
 
 fn bad(examined: &Examined, plan: &Plan) -> bool {

@@ -5,8 +5,6 @@
 use super::case::{Case, Writing, case};
 use super::condition::{Condition, condition};
 use super::drivers::Drivers;
-use super::hazard;
-use super::hazard::Hazard;
 use super::input::Sample;
 use super::judge::{Answered, Came, Seen, Why, came};
 use super::measure::{Off, Outcome, floats};
@@ -14,16 +12,18 @@ use super::permitted::{PermittedAt, Verdict, permitted, verdict};
 use super::report::{Asked, Found};
 use super::sample::{Plan, Tally, columns, settings};
 use super::shrink::plausible;
+use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::pure::Pure;
 use landfall_exec::interp::Floats;
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
 
 /// A driver beside the evaluator.
 #[derive(Clone, Debug)]
 pub struct ReaderReport {
     /// `gl` or `gpu`.
-    pub reader: &'static str,
+    pub reader: BackendKind,
     /// Who it is; none of one that is not here.
     pub device: Option<Device>,
     /// The samples of finite inputs it ran, and how they came out against the evaluator's `f64`.
@@ -82,7 +82,7 @@ impl DriverCase {
 
 impl ReaderReport {
     /// One that is not here.
-    pub fn missing(reader: &'static str, failure: &Failure) -> ReaderReport {
+    pub fn missing(reader: BackendKind, failure: &Failure) -> ReaderReport {
         ReaderReport {
             reader,
             device: None,
@@ -104,9 +104,9 @@ impl ReaderReport {
 
     /// What of it is a finding: the worst sample of each kind that the evaluator alone does not
     /// show.
-    pub(super) fn odd(&self) -> impl Iterator<Item = (&'static Hazard, &DriverCase, u64)> {
-        let kinds: [(&'static Hazard, &Odd); 2] =
-            [(&hazard::DRIVER_NOT_FINITE, &self.not_finite), (&hazard::DRIVER_APART, &self.apart)];
+    pub(super) fn odd(&self) -> impl Iterator<Item = (Hazard, &DriverCase, u64)> {
+        let kinds: [(Hazard, &Odd); 2] =
+            [(Hazard::DriverNotFinite, &self.not_finite), (Hazard::DriverApart, &self.apart)];
         kinds.into_iter().filter_map(|(hazard, odd)| {
             let case = odd.cases.first()?;
             Some((hazard, case, odd.count))
@@ -168,7 +168,7 @@ fn known(pure: &Pure, device: &Device) -> bool {
     let inverts = |text: &str| {
         text.split(|c| !is_word(c)).any(|word| matches!(word, "inverse" | "determinant"))
     };
-    device.reader != "gl" || !pure.files.iter().any(|file| inverts(&file.text))
+    device.reader != BackendKind::Gl || !pure.files.iter().any(|file| inverts(&file.text))
 }
 
 /// A sample with what a driver gives for it.
@@ -197,8 +197,8 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
 pub(super) fn on_a_driver(
     pure: &Pure,
     plan: &Plan,
-    reader: &'static str,
-    (hazard, found, seen): (&'static Hazard, &DriverCase, u64),
+    reader: BackendKind,
+    (hazard, found, seen): (Hazard, &DriverCase, u64),
 ) -> Found {
     let wrong = found.verdict == Some(Verdict::Wrong);
     let sample = &found.case.words;
@@ -206,7 +206,7 @@ pub(super) fn on_a_driver(
         hazard,
         level: match (wrong, found.plausible) {
             (true, true) => Level::Deny,
-            (false, true) => hazard.level,
+            (false, true) => hazard.info().level,
             (_, false) => Level::Warn,
         },
         place: pure.place(),

@@ -10,16 +10,16 @@ use super::domain::Domain;
 use super::drivers::Drivers;
 use super::find::Raw;
 use super::generate::Family;
-use super::hazard;
-use super::hazard::Hazard;
 use super::input::{Input, Sample};
 use super::measure::{Off, Outcome, floats, outcome};
 use super::permitted::{PermittedAt, permitted};
 use super::readers::{ReaderReport, ask, on_a_driver, reports};
 use super::rewrite::{Gain, gain};
 use super::sample::{Plan, Tally, columns, settings};
+use landfall_exec::backend::BackendKind;
 use landfall_exec::harness::call::pure::{Pure, PureRequest};
 use landfall_exec::interp::{Floats, Place, UndefinedKind};
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Options;
 use landfall_layout::finding::{Finding, Level, Place as LintPlace, Related};
 use landfall_layout::source::{Files, Source};
@@ -78,13 +78,13 @@ pub struct Worst {
 #[derive(Clone, Debug)]
 pub struct Found {
     /// What it is.
-    pub hazard: &'static Hazard,
+    pub hazard: Hazard,
     /// How much it matters here.
     pub level: Level,
     /// Where.
     pub place: Place,
     /// The driver it is about, where it is about one alone.
-    pub reader: Option<&'static str>,
+    pub reader: Option<BackendKind>,
     /// The operation that did it.
     pub operation: Option<Performed>,
     /// What is undefined about it; none of a loss of accuracy or a breach of a rule.
@@ -125,8 +125,8 @@ pub struct Against {
 /// What a driver gives for the input of a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
-    /// `gl` or `gpu`.
-    pub reader: &'static str,
+    /// The driver.
+    pub reader: BackendKind,
     /// The floats it gives, in the order of the results.
     pub results: Vec<f32>,
     /// Why it gives none.
@@ -175,9 +175,9 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
     let mut notes = pure.notes.clone();
     let mut more: Vec<(&'static str, usize)> = Vec::new();
     for raw in made.raws {
-        let code = raw.candidate.hazard.code;
-        let most = EACH[usize::from(raw.candidate.hazard.id.is_empty())];
-        if findings.iter().filter(|f| f.hazard.code == code).count() >= most {
+        let code = raw.candidate.hazard.code();
+        let most = EACH[usize::from(raw.candidate.hazard.is_arithmetic())];
+        if findings.iter().filter(|f| f.hazard.code() == code).count() >= most {
             match more.iter_mut().find(|(known, _)| *known == code) {
                 Some((_, count)) => *count += 1,
                 None => more.push((code, 1)),
@@ -235,13 +235,10 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
 fn found(writing: &Writing<'_>, raw: Raw) -> Found {
     let Writing { pure, inputs, plan, .. } = writing;
     let hazard = raw.candidate.hazard;
-    let semantic = [
-        &hazard::HIGHLIGHT_FROM_BEHIND,
-        &hazard::NORMAL_NOT_NORMALISED,
-        &hazard::CONE_OUT_OF_RANGE,
-    ];
+    let semantic =
+        [Hazard::HighlightFromBehind, Hazard::UnnormalisedNormal, Hazard::ConeOutOfRange];
     let is_rule = semantic.contains(&hazard);
-    let level = if raw.plausible { hazard.level } else { Level::Warn };
+    let level = if raw.plausible { hazard.info().level } else { Level::Warn };
     let examined = examine(pure, inputs, &raw.sample, plan).ok();
     let gain = examined.as_ref().and_then(|examined| gain(pure, inputs, examined, &raw.candidate));
     Found {
@@ -268,7 +265,7 @@ fn found(writing: &Writing<'_>, raw: Raw) -> Found {
 
 fn endless(writing: &Writing<'_>, sample: &Sample) -> Found {
     Found {
-        hazard: &hazard::ENDLESS_LOOP,
+        hazard: Hazard::EndlessLoop,
         level: Level::Deny,
         place: writing.pure.place(),
         reader: None,
@@ -330,7 +327,7 @@ impl Found {
         let mut notes = self.notes();
         notes.push(format!("to repeat it: {}", command(&self.case.arguments)));
         Finding {
-            code: self.hazard.code.to_string(),
+            code: self.hazard.code().to_string(),
             level: self.level,
             message: self.message(),
             about: report.function.clone(),
@@ -339,7 +336,7 @@ impl Found {
             related: Vec::<Related>::new(),
             notes,
             listing: None,
-            help: Some(self.hazard.rewrite.to_string()),
+            help: Some(self.hazard.info().robust.to_string()),
             fix: Vec::new(),
         }
     }

@@ -4,10 +4,10 @@
 
 use super::blame::Graph;
 use super::classify::{Candidate, Examined};
-use super::hazard as h;
 use super::input::Input;
 use landfall_exec::harness::call::pure::Pure;
 use landfall_exec::interp::{Operation, Source, Step};
+use landfall_ir::analysis::hazard::Hazard;
 
 /// What the robust form gains at one operation.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub(super) fn gain(
     let operation = candidate.operation.as_ref()?;
     let result = operation.result;
     let off = |x: f32, truth: f64| (f64::from(x) - truth).abs();
-    if candidate.hazard == &h::NARROW_CONE {
+    if candidate.hazard == Hazard::NarrowCone {
         // theta - outer, as (1 - outer) - |L - D|^2 / 2.
         let (theta, at) = operation
             .sources
@@ -49,7 +49,7 @@ pub(super) fn gain(
         let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
         return Some(Gain { form, before, after });
     }
-    let powers = [&h::LARGE_EXPONENT, &h::BASE_ABOVE_ONE];
+    let powers = [Hazard::LargeExponent, Hazard::BaseAboveOne];
     if powers.contains(&candidate.hazard) && operation.operation == Operation::Pow {
         let step = dot(&graph, operation.sources[0])?;
         let (half, turned) = chord(step)?;

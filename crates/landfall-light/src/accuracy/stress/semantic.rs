@@ -8,8 +8,6 @@ use super::classify::{Candidate, Examined, Performed, examine};
 use super::domain::Within;
 use super::find::Raw;
 use super::generate::Generator;
-use super::hazard as h;
-use super::hazard::Hazard;
 use super::input::{Input, Inputs, Sample, float};
 use super::measure::{Off, Outcome, floats};
 use super::random::Random;
@@ -20,12 +18,11 @@ use super::scene::{Geometry, Setting};
 use super::shrink::plausible;
 use landfall_exec::harness::call::pure::Pure;
 use landfall_exec::interp::{Operation, Source, Step};
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_ir::analysis::hazard::threshold::CHANGE;
 
 /// Scenes each rule is tried on.
 const SCENES: usize = 48;
-
-/// A change of the result that counts, as a share of full scale: a quarter of a step.
-const CHANGE: f64 = 1.0e-3;
 
 /// Breaches of the rules.
 pub(super) fn findings(pure: &Pure, generator: &Generator<'_>, plan: &Plan, seed: u64) -> Vec<Raw> {
@@ -78,7 +75,7 @@ impl Check<'_> {
 
     fn raw(
         &self,
-        hazard: &'static Hazard,
+        hazard: Hazard,
         graph: &Graph<'_>,
         step: &Step,
         sample: &Sample,
@@ -163,8 +160,8 @@ impl Check<'_> {
                 let Some(examined) = self.examine(&other) else { continue };
                 let Some(others) = self.values(&examined) else { continue };
                 let change = difference(values, &others);
-                if change > CHANGE {
-                    let hazard = &h::HIGHLIGHT_FROM_BEHIND;
+                if change > CHANGE.value {
+                    let hazard = Hazard::HighlightFromBehind;
                     return Some(self.raw(hazard, graph, step, sample, vec![only], change));
                 }
             }
@@ -192,12 +189,12 @@ impl Check<'_> {
                 let Some((one, other)) = pair else { continue };
                 let Some((a, b)) = self.values(&one).zip(self.values(&other)) else { continue };
                 let change = difference(&a, &b);
-                let known = worst.as_ref().map_or(CHANGE, |raw| raw.severity / 255.0);
+                let known = worst.as_ref().map_or(CHANGE.value, |raw| raw.severity / 255.0);
                 if change > known {
                     let graph = self.graph(&other);
                     let step = self.first_of(&one, &other, normal);
                     worst = step.map(|step| {
-                        let hazard = &h::NORMAL_NOT_NORMALISED;
+                        let hazard = Hazard::UnnormalisedNormal;
                         self.raw(hazard, &graph, step, &scaled, vec![normal], change)
                     });
                 }
@@ -320,7 +317,7 @@ impl Check<'_> {
                     && step.operands.iter().any(|o| matches!(o.source, Source::Step { .. }))
             };
             let step = examined.trace.steps.iter().find(meets)?;
-            let hazard = &h::CONE_OUT_OF_RANGE;
+            let hazard = Hazard::ConeOutOfRange;
             return Some(self.raw(hazard, &graph, step, &changed, cones.to_vec(), change));
         }
         None

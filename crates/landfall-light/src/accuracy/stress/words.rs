@@ -10,10 +10,6 @@ use landfall_exec::interp::{Number, Operation};
 impl Found {
     /// One sentence: the hazard, and what it does here.
     pub fn message(&self) -> String {
-        let id = match self.hazard.id {
-            "" => String::new(),
-            id => format!("{id}: "),
-        };
         let outcome = match (self.breach, self.outcome) {
             (Some(steps), _) => format!(": {} steps", figure(steps)),
             (None, Outcome::NotANumber) => ": the result is NaN".to_string(),
@@ -28,10 +24,10 @@ impl Found {
             (None, Outcome::Discarded) => String::new(),
         };
         let what = match self.reader {
-            Some(reader) => self.hazard.what.replacen("a driver", reader, 1),
-            None => self.hazard.what.to_string(),
+            Some(reader) => self.hazard.info().what.replacen("a driver", reader.name(), 1),
+            None => self.hazard.info().what.to_string(),
         };
-        format!("{id}{what}{outcome}")
+        format!("{what}{outcome}")
     }
 
     /// What stands at the place: the operation with its operands.

@@ -3,6 +3,7 @@
 //! Reads an [`Upload`]; feeds [`Filler`](super::Filler).
 
 use glam::DVec3;
+use landfall_ir::analysis::hazard::threshold;
 
 use super::{Lit, Tiles};
 use crate::bind::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
@@ -45,7 +46,7 @@ impl Number {
 }
 
 /// Where a light ends that does not: far enough that a window is 1 at any distance.
-const ENDLESS: f64 = 1e18;
+const ENDLESS: f64 = threshold::COORDINATE.value;
 
 impl Given<'_> {
     /// How many elements of a quantity there are.

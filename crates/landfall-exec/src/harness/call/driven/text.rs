@@ -23,7 +23,7 @@ use landfall_layout::layout;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::port::{Direction, PortOptions, Ported, port};
 use landfall_layout::shape::{AddressSpace, ScalarKind};
-use landfall_layout::source::{Language, Runs, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Language, Source, Stage};
 pub use landfall_layout::syntax::glsl::raw;
 
 /// The blocks that hold the words, and their arrays.
@@ -66,7 +66,7 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
     // Neither is of OpenGL; a constant keeps the value it is written with.
     let text = texts::without(&texts::without(&text, "set"), "constant_id");
     let mut stages = vec![part(stage.into(), text)];
-    if stage == Runs::Vertex {
+    if stage == ExecutableStage::Vertex {
         stages.push(part(Stage::Fragment, partner::fragment(&user.text).text.to_string()));
     }
     let mut resources = Vec::new();
@@ -97,7 +97,7 @@ pub(super) fn code(pure: &Pure, places: &Places) -> Result<Code, Failure> {
 }
 
 /// The stage the text is compiled for.
-fn stage(pure: &Pure) -> Result<Runs, Failure> {
+fn stage(pure: &Pure) -> Result<ExecutableStage, Failure> {
     let entry = pure.module.entry_points().first().map(|entry| entry.stage);
     crate::backend::executable(pure.source.stage.or(entry).unwrap_or(Stage::Compute))
 }
@@ -169,22 +169,24 @@ impl<'p> User<'p> {
         pure: &Pure,
         places: &Places,
         rewritten: Rewritten,
-        stage: Runs,
+        stage: ExecutableStage,
     ) -> Result<(String, Lanes), Failure> {
         let mut text = rewritten.text.clone();
         let own = pure.module.entry_points().into_iter().find(|entry| entry.stage == stage.into());
         let size: u32 = own.map_or(1, |entry| entry.workgroup_size.iter().product());
         let sized = is_sized(&text);
         let (lanes, lane) = match (stage, pure.asks) {
-            (Runs::Fragment, Asks::Pure) => (
+            (ExecutableStage::Fragment, Asks::Pure) => (
                 Lanes::pixels(pure)?,
                 format!("uint(gl_FragCoord.y) * {ROW}u + uint(gl_FragCoord.x)"),
             ),
-            (Runs::Vertex, Asks::Pure) => (Lanes::Vertices, "uint(gl_VertexID)".to_string()),
+            (ExecutableStage::Vertex, Asks::Pure) => {
+                (Lanes::Vertices, "uint(gl_VertexID)".to_string())
+            }
             // However many pixels run for the sake of derivatives.
-            (Runs::Fragment, Asks::Call) => (Lanes::pixels(pure)?, "0u".to_string()),
-            (Runs::Vertex, Asks::Call) => (Lanes::Vertices, "0u".to_string()),
-            (Runs::Compute, Asks::Pure | Asks::Call) => {
+            (ExecutableStage::Fragment, Asks::Call) => (Lanes::pixels(pure)?, "0u".to_string()),
+            (ExecutableStage::Vertex, Asks::Call) => (Lanes::Vertices, "0u".to_string()),
+            (ExecutableStage::Compute, Asks::Pure | Asks::Call) => {
                 let size = if sized { size } else { GROUP };
                 (
                     Lanes::Groups(size),
@@ -192,7 +194,7 @@ impl<'p> User<'p> {
                 )
             }
         };
-        if stage == Runs::Compute && !sized {
+        if stage == ExecutableStage::Compute && !sized {
             let _ = writeln!(text, "layout(local_size_x = {GROUP}) in;");
         }
         for ([block, array], readonly) in [(INPUTS, "readonly "), (OUTPUTS, "")] {
@@ -200,7 +202,7 @@ impl<'p> User<'p> {
                 writeln!(text, "layout(std430) {readonly}buffer {block} {{ uint {array}[]; }};");
         }
         let _ = writeln!(text, "void main() {{\n    uint landfall_lane = {lane};");
-        if stage == Runs::Compute && pure.asks == Asks::Call {
+        if stage == ExecutableStage::Compute && pure.asks == Asks::Call {
             // The others of a group of the user's size would do it again.
             text.push_str("    if (landfall_lane != 0u) return;\n");
         }
@@ -215,7 +217,7 @@ impl<'p> User<'p> {
         }
         self.call(pure, places, &mut text);
         let _ = writeln!(text, "    {}[{TO} + {}u] = 1u;", OUTPUTS[1], places.done);
-        if stage == Runs::Vertex {
+        if stage == ExecutableStage::Vertex {
             text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n");
         }
         text.push_str("}\n");

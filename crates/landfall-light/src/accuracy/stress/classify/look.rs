@@ -4,12 +4,14 @@
 
 use super::{Candidate, Performed, undefined};
 use crate::accuracy::stress::blame::Graph;
-use crate::accuracy::stress::hazard as h;
-use crate::accuracy::stress::hazard::Hazard;
 use crate::accuracy::stress::input::{Sample, float};
 use crate::accuracy::stress::role::Role;
 use landfall_exec::harness::call::pure::PureCalled;
 use landfall_exec::interp::{Number, Operation, Source, Step, UndefinedKind};
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_ir::analysis::hazard::threshold::{
+    ABOVE_ONE, COORDINATE, EXPONENT, LENGTH, NARROW, ORIGIN,
+};
 
 /// One sample with the graph of its operations.
 pub(super) struct Look<'a> {
@@ -17,15 +19,11 @@ pub(super) struct Look<'a> {
     pub sample: &'a Sample,
 }
 
-/// The cosine of the half angle, 2.6 degrees, of what is called a narrow cone: of a wider one the
-/// chord is hardly better than the cosine.
-const NARROW: f64 = 0.999;
-
 impl Look<'_> {
     fn candidate(
         &self,
         step: &Step,
-        hazard: &'static Hazard,
+        hazard: Hazard,
         about: Vec<usize>,
         kind: Option<UndefinedKind>,
     ) -> Candidate {
@@ -58,11 +56,11 @@ impl Look<'_> {
         let (hazard, about) = match kind {
             U::NormalizeOfZero => self.zero_vector(&Self::sources(step)),
             U::DivisionByZero => self.division(step),
-            U::PowOfZero => (&h::POWER_OF_ZERO, Vec::new()),
-            U::PowOfNegative => (&h::POWER_OF_NEGATIVE, Vec::new()),
+            U::PowOfZero => (Hazard::PowOfZero, Vec::new()),
+            U::PowOfNegative => (Hazard::PowOfNegative, Vec::new()),
             U::SmoothStepEdges => {
                 let (a, b) = (step.operands[0].number.double, step.operands[1].number.double);
-                let hazard = if a == b { &h::EQUAL_CUT_OFFS } else { &h::SWAPPED_CUT_OFFS };
+                let hazard = if a == b { Hazard::EqualCutOffs } else { Hazard::SwappedCutOffs };
                 (hazard, Vec::new())
             }
             U::RootOfNegative if step.operation == Operation::InverseRoot => {
@@ -70,11 +68,11 @@ impl Look<'_> {
                     Some(vector) if step.operands[0].number.double == 0.0 => {
                         self.zero_vector(&vector)
                     }
-                    _ => (&h::UNDEFINED_OPERATION, Vec::new()),
+                    _ => (Hazard::UndefinedOperation, Vec::new()),
                 }
             }
-            U::SquaresTooLarge => (&h::OVERFLOW, self.graph.inputs_of(Self::sources(step))),
-            U::SquaresTooSmall => (&h::UNDERFLOW, self.graph.inputs_of(Self::sources(step))),
+            U::SquaresTooLarge => (Hazard::Overflow, self.graph.inputs_of(Self::sources(step))),
+            U::SquaresTooSmall => (Hazard::Underflow, self.graph.inputs_of(Self::sources(step))),
             U::BornInfinite | U::BornNan => self.overflow(step),
             U::ZeroTimesInfinity
             | U::RootOfNegative
@@ -90,7 +88,7 @@ impl Look<'_> {
             | U::BitsOutOfRange
             | U::ConversionOutOfRange
             | U::IndexOutOfBounds
-            | U::PastEndOfBuffer => (&h::UNDEFINED_OPERATION, Vec::new()),
+            | U::PastEndOfBuffer => (Hazard::UndefinedOperation, Vec::new()),
         };
         self.candidate(step, hazard, about, Some(kind))
     }
@@ -112,7 +110,7 @@ impl Look<'_> {
     }
 
     /// Why a vector is zero.
-    fn zero_vector(&self, components: &[Source]) -> (&'static Hazard, Vec<usize>) {
+    fn zero_vector(&self, components: &[Source]) -> (Hazard, Vec<usize>) {
         let behind = self.graph.inputs_of(components.iter().copied());
         let vectors: Vec<usize> =
             behind.iter().copied().filter(|&at| self.graph.inputs[at].is_vector()).collect();
@@ -124,23 +122,24 @@ impl Look<'_> {
                 let zero = v.iter().take(3).all(|x| *x == 0.0);
                 if same && !(zero && opposite && !self.is_difference(components)) {
                     let view = [a, b].iter().any(|&at| self.role(at) == Role::ViewPosition);
-                    let hazard = if view { &h::CAMERA_AT_FRAGMENT } else { &h::LIGHT_AT_FRAGMENT };
+                    let hazard =
+                        if view { Hazard::CameraAtFragment } else { Hazard::LightAtFragment };
                     return (hazard, vec![b, a]);
                 }
                 if opposite {
-                    return (&h::OPPOSITE_VECTORS, vec![b, a]);
+                    return (Hazard::OppositeVectors, vec![b, a]);
                 }
             }
         }
         let zero = |&&at: &&usize| self.values(at).iter().all(|x| *x == 0.0);
         match vectors.iter().find(zero) {
-            Some(&at) if self.role(at) == Role::Axis => (&h::ZERO_DIRECTION, vec![at]),
+            Some(&at) if self.role(at) == Role::Axis => (Hazard::ZeroDirection, vec![at]),
             // In view space the eye is the origin.
             Some(&at) if self.role(at) == Role::FragmentPosition => {
-                (&h::CAMERA_AT_FRAGMENT, vec![at])
+                (Hazard::CameraAtFragment, vec![at])
             }
-            Some(&at) => (&h::ZERO_VECTOR, vec![at]),
-            None => (&h::ZERO_VECTOR, vectors),
+            Some(&at) => (Hazard::ZeroVector, vec![at]),
+            None => (Hazard::ZeroVector, vectors),
         }
     }
 
@@ -150,7 +149,7 @@ impl Look<'_> {
         })
     }
 
-    fn division(&self, step: &Step) -> (&'static Hazard, Vec<usize>) {
+    fn division(&self, step: &Step) -> (Hazard, Vec<usize>) {
         let by = step.operands[1].source;
         if let Some(vector) = self.squared(by) {
             let numerator = self.graph.inputs_of([step.operands[0].source]);
@@ -166,11 +165,11 @@ impl Look<'_> {
                 [Some(a), Some(b)] => {
                     let cone = self.role(a).is_cone() || self.role(b).is_cone();
                     if cone || self.values(a) == self.values(b) && self.clamped(step) {
-                        return (&h::EQUAL_CUT_OFFS, vec![a, b]);
+                        return (Hazard::EqualCutOffs, vec![a, b]);
                     }
                 }
                 [None, Some(b)] if sub.operands[0].number.double == 1.0 => {
-                    return (&h::ZERO_WIDTH_CONE, vec![b]);
+                    return (Hazard::ZeroWidthCone, vec![b]);
                 }
                 _ => {}
             }
@@ -179,8 +178,8 @@ impl Look<'_> {
                 behind.iter().copied().filter(|&at| self.role(at).is_cone()).collect();
             match cones.len() {
                 0 => {}
-                1 => return (&h::ZERO_WIDTH_CONE, cones),
-                _ => return (&h::EQUAL_CUT_OFFS, cones),
+                1 => return (Hazard::ZeroWidthCone, cones),
+                _ => return (Hazard::EqualCutOffs, cones),
             }
         }
         let coefficients: Vec<usize> =
@@ -188,19 +187,19 @@ impl Look<'_> {
         if !coefficients.is_empty() {
             let values: Vec<f32> = coefficients.iter().flat_map(|&at| self.values(at)).collect();
             if values.iter().any(|x| *x < 0.0) {
-                return (&h::NEGATIVE_ATTENUATION, coefficients);
+                return (Hazard::NegativeAttenuation, coefficients);
             }
             if values.iter().all(|x| *x == 0.0) {
-                return (&h::ATTENUATION_UNSET, coefficients);
+                return (Hazard::AttenuationUnset, coefficients);
             }
-            return (&h::ATTENUATION_AT_LIGHT, behind);
+            return (Hazard::AttenuationAtLight, behind);
         }
         let at_light = behind.iter().any(|&at| self.role(at) == Role::Distance)
             || behind.iter().filter(|&&at| self.role(at).is_position()).count() > 1;
         if at_light {
-            return (&h::ATTENUATION_AT_LIGHT, behind);
+            return (Hazard::AttenuationAtLight, behind);
         }
-        (&h::DIVISION_BY_ZERO, behind)
+        (Hazard::DivisionByZero, behind)
     }
 
     /// Whether the numerator is a difference too: the ramp of a cone.
@@ -209,38 +208,39 @@ impl Look<'_> {
         numerator.is_some_and(|(step, _)| step.operation == Operation::Sub)
     }
 
-    fn overflow(&self, step: &Step) -> (&'static Hazard, Vec<usize>) {
+    fn overflow(&self, step: &Step) -> (Hazard, Vec<usize>) {
         let largest = largest(step);
         let x = |i: usize| step.operands[i].number;
         let single_zero = || x(1).single == 0.0 && x(1).double != 0.0;
         match step.operation {
             Operation::Pow if step.operands[0].number.single > 1.0 => {
-                let near = step.operands[0].number.double < 1.0 + 1.0e-5;
-                (if near { &h::BASE_ABOVE_ONE } else { &h::LARGE_VALUES }, Vec::new())
+                let near = step.operands[0].number.double < 1.0 + ABOVE_ONE.value;
+                (if near { Hazard::BaseAboveOne } else { Hazard::LargeValues }, Vec::new())
             }
-            Operation::Div if single_zero() || x(1).double.abs() < 1.0e-30 => {
+            Operation::Div if single_zero() || x(1).double.abs() < LENGTH.value * LENGTH.value => {
                 let behind = self.graph.inputs_of([step.operands[1].source]);
                 let negative = behind.iter().any(|&at| {
                     self.role(at).is_attenuation() && self.values(at).iter().any(|v| *v < 0.0)
                 });
-                let hazard = if negative { &h::NEGATIVE_ATTENUATION } else { &h::UNDERFLOW };
+                let hazard = if negative { Hazard::NegativeAttenuation } else { Hazard::Underflow };
                 (hazard, behind)
             }
-            Operation::InverseRoot => (&h::UNDERFLOW, Vec::new()),
+            Operation::InverseRoot => (Hazard::Underflow, Vec::new()),
             Operation::Dot | Operation::Length | Operation::Distance | Operation::Normalize
-                if largest > 1.0e15 =>
+                if largest > COORDINATE.value =>
             {
-                (&h::OVERFLOW, self.graph.inputs_of(Self::sources(step)))
+                (Hazard::Overflow, self.graph.inputs_of(Self::sources(step)))
             }
             Operation::Mul if self.is_square(step) => {
-                (&h::OVERFLOW, self.graph.inputs_of(Self::sources(step)))
+                (Hazard::Overflow, self.graph.inputs_of(Self::sources(step)))
             }
             _ => {
                 let behind = self.graph.inputs_of(Self::sources(step));
                 let positions =
                     behind.iter().filter(|&&at| self.role(at).is_position()).count() > 1;
                 let distance = behind.iter().any(|&at| self.role(at) == Role::Distance);
-                let hazard = if positions || distance { &h::OVERFLOW } else { &h::LARGE_VALUES };
+                let hazard =
+                    if positions || distance { Hazard::Overflow } else { Hazard::LargeValues };
                 (hazard, behind)
             }
         }
@@ -281,22 +281,22 @@ impl Look<'_> {
     }
 
     /// What kind of loss an operation is that had right operands and gave a wrong result.
-    fn loss(&self, step: &Step) -> (&'static Hazard, Vec<usize>) {
+    fn loss(&self, step: &Step) -> (Hazard, Vec<usize>) {
         let behind = || self.graph.inputs_of(Self::sources(step));
         let largest = largest(step);
         let result = step.results.first().copied().unwrap_or_default();
         match step.operation {
             Operation::Pow => {
                 let [base, exponent] = [step.operands[0].number, step.operands[1].number];
-                if base.single > 1.0 && base.double <= 1.0 + 1.0e-5 {
-                    (&h::BASE_ABOVE_ONE, behind())
-                } else if exponent.double.abs() >= 16.0 {
-                    (&h::LARGE_EXPONENT, behind())
+                if base.single > 1.0 && base.double <= 1.0 + ABOVE_ONE.value {
+                    (Hazard::BaseAboveOne, behind())
+                } else if exponent.double.abs() >= EXPONENT.value {
+                    (Hazard::LargeExponent, behind())
                 } else {
-                    (&h::ACCUMULATED_ERROR, behind())
+                    (Hazard::AccumulatedError, behind())
                 }
             }
-            Operation::Exp => (&h::LARGE_EXPONENT, behind()),
+            Operation::Exp => (Hazard::LargeExponent, behind()),
             Operation::Length
             | Operation::Distance
             | Operation::Normalize
@@ -307,9 +307,9 @@ impl Look<'_> {
             | Operation::Div
             | Operation::Cross
             | Operation::Fma
-                if largest > 1.0e15 =>
+                if largest > COORDINATE.value =>
             {
-                (&h::OVERFLOW, behind())
+                (Hazard::Overflow, behind())
             }
             Operation::Length
             | Operation::Distance
@@ -318,9 +318,9 @@ impl Look<'_> {
             | Operation::Root
             | Operation::Mul
             | Operation::Div
-                if smallest(step) < 1.0e-15 || result.double.abs() < 1.0e-37 =>
+                if smallest(step) < LENGTH.value || result.double.abs() < 1.0e-37 =>
             {
-                (&h::UNDERFLOW, behind())
+                (Hazard::Underflow, behind())
             }
             Operation::Add
             | Operation::Sub
@@ -330,26 +330,26 @@ impl Look<'_> {
             | Operation::Cross => {
                 let behind = behind();
                 let cone = behind.iter().any(|&at| self.role(at).is_cone());
-                let far = largest > 1.0e3
+                let far = largest > ORIGIN.value
                     && behind.iter().filter(|&&at| self.role(at).is_position()).count() > 0;
-                if cone && (NARROW..4.0).contains(&largest) {
-                    (&h::NARROW_CONE, behind)
+                if cone && (NARROW.value..4.0).contains(&largest) {
+                    (Hazard::NarrowCone, behind)
                 } else if far {
-                    (&h::FAR_FROM_ORIGIN, behind)
+                    (Hazard::FarFromOrigin, behind)
                 } else {
-                    (&h::CANCELLATION, behind)
+                    (Hazard::Cancellation, behind)
                 }
             }
             Operation::SmoothStep => {
                 let behind = behind();
                 let cone = behind.iter().any(|&at| self.role(at).is_cone());
-                match (cone, largest >= NARROW) {
-                    (true, true) => (&h::NARROW_CONE, behind),
-                    (true, false) => (&h::CANCELLATION, behind),
-                    (false, _) => (&h::ACCUMULATED_ERROR, behind),
+                match (cone, largest >= NARROW.value) {
+                    (true, true) => (Hazard::NarrowCone, behind),
+                    (true, false) => (Hazard::Cancellation, behind),
+                    (false, _) => (Hazard::AccumulatedError, behind),
                 }
             }
-            _ => (&h::ACCUMULATED_ERROR, behind()),
+            _ => (Hazard::AccumulatedError, behind()),
         }
     }
 }

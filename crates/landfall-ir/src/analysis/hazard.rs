@@ -1,0 +1,293 @@
+//! The catalogue of hazards: every way in which lighting code is known to give wrong numbers.
+//!
+//! A hazard is what happens for some input: a zero vector is normalised, two cosines cancel. Lints
+//! ([`Kind`](super::hazards::Kind)) report code that may meet one, `stress` inputs that do, the
+//! reference fragments that have no value because of one, and the reader of scenes refuses some
+//! of those inputs. All of them take code, text, [`Threshold`] and robust form from here, so that
+//! one hazard has one name and one number; `landfall rule CODE` prints the entry.
+
+mod arithmetic;
+mod geometry;
+mod model;
+pub mod threshold;
+
+use landfall_layout::finding::Level;
+
+pub use threshold::Threshold;
+
+/// A way in which lighting code gives wrong numbers or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Hazard {
+    /// A light is at the fragment.
+    LightAtFragment,
+    /// Attenuation without a constant term at the light itself.
+    AttenuationAtLight,
+    /// The camera is at the fragment.
+    CameraAtFragment,
+    /// Attenuation whose coefficients are all zero.
+    AttenuationUnset,
+    /// A loop over slots that hold no light.
+    LoopPastCount,
+    /// A square above the range of `f32`.
+    Overflow,
+    /// A square below the range of `f32`.
+    Underflow,
+    /// A soft cone whose two angles are equal.
+    EqualCutOffs,
+    /// A soft cone whose inner angle is the wider one.
+    SwappedCutOffs,
+    /// An angle where a cosine is expected.
+    ConeOutOfRange,
+    /// A cone of angle zero.
+    ZeroWidthCone,
+    /// Zero to a power of zero or less.
+    PowOfZero,
+    /// A power of a negative number.
+    PowOfNegative,
+    /// A cosine rounded above one.
+    BaseAboveOne,
+    /// A variable read before it is written.
+    Uninitialised,
+    /// A highlight of a light below the horizon.
+    HighlightFromBehind,
+    /// A normal of another length than one.
+    UnnormalisedNormal,
+    /// A normal normalised with its fourth component.
+    Vec4Normalise,
+    /// Coordinates far from the origin.
+    FarFromOrigin,
+    /// A cone too narrow for cosines.
+    NarrowCone,
+    /// A fragment at the edge of a cone without a ramp.
+    ConeEdge,
+    /// A large exponent.
+    LargeExponent,
+    /// Ambient light added once a light.
+    AmbientPerLight,
+    /// A compensated sum that a compiler may simplify.
+    KahanWithoutPrecise,
+    /// Positions in 16 bits.
+    MediumpPosition,
+    /// An index past the end of an array.
+    CountPastArray,
+    /// A direction of length zero.
+    ZeroDirection,
+    /// A negative coefficient of attenuation.
+    NegativeAttenuation,
+    /// A constant term alone.
+    LoneConstant,
+    /// An uploaded number or a sum that is not finite.
+    NotFinite,
+    /// A zero vector normalised, whatever it is of.
+    ZeroVector,
+    /// The sum of opposite vectors normalised.
+    OppositeVectors,
+    /// A division by zero.
+    DivisionByZero,
+    /// An operation without a defined value.
+    UndefinedOperation,
+    /// A result above the range of its type.
+    LargeValues,
+    /// A difference of nearly equal numbers.
+    Cancellation,
+    /// Rounding that adds up.
+    AccumulatedError,
+    /// A loop without an end.
+    EndlessLoop,
+    /// A driver without a finite number.
+    DriverNotFinite,
+    /// A driver less accurate than the interpreter.
+    DriverApart,
+}
+
+/// What the catalogue says of a [`Hazard`].
+#[derive(Debug, PartialEq)]
+#[non_exhaustive]
+pub struct HazardInfo {
+    /// Kebab-case name: `narrow-cone`.
+    pub code: &'static str,
+    /// Name in words: `narrow cone`.
+    pub name: &'static str,
+    /// The label that reports printed in its place before it had a name: `H17`. Hazards of plain
+    /// arithmetic, and those found later, have none.
+    pub label: Option<&'static str>,
+    /// Other codes: earlier spellings, and those of the diagnostics that refuse its inputs.
+    pub aliases: &'static [&'static str],
+    /// The level of a finding about inputs as scenes have them.
+    pub level: Level,
+    /// What happens, in a clause.
+    pub what: &'static str,
+    /// What it does to the picture, with the measured numbers.
+    pub why: &'static str,
+    /// The number that separates inputs that meet it from those that do not, if it is one number.
+    pub threshold: Option<&'static Threshold>,
+    /// The form of the code, or the check of the host, that does not meet it.
+    pub robust: &'static str,
+    /// Where the facts are from.
+    pub citation: &'static str,
+}
+
+impl Hazard {
+    /// Every hazard; those of lighting before those of plain arithmetic.
+    pub const ALL: [Hazard; 40] = [
+        Hazard::LightAtFragment,
+        Hazard::AttenuationAtLight,
+        Hazard::CameraAtFragment,
+        Hazard::AttenuationUnset,
+        Hazard::LoopPastCount,
+        Hazard::Overflow,
+        Hazard::Underflow,
+        Hazard::EqualCutOffs,
+        Hazard::SwappedCutOffs,
+        Hazard::ConeOutOfRange,
+        Hazard::ZeroWidthCone,
+        Hazard::PowOfZero,
+        Hazard::PowOfNegative,
+        Hazard::BaseAboveOne,
+        Hazard::Uninitialised,
+        Hazard::HighlightFromBehind,
+        Hazard::UnnormalisedNormal,
+        Hazard::Vec4Normalise,
+        Hazard::FarFromOrigin,
+        Hazard::NarrowCone,
+        Hazard::ConeEdge,
+        Hazard::LargeExponent,
+        Hazard::AmbientPerLight,
+        Hazard::KahanWithoutPrecise,
+        Hazard::MediumpPosition,
+        Hazard::CountPastArray,
+        Hazard::ZeroDirection,
+        Hazard::NegativeAttenuation,
+        Hazard::LoneConstant,
+        Hazard::NotFinite,
+        Hazard::ZeroVector,
+        Hazard::OppositeVectors,
+        Hazard::DivisionByZero,
+        Hazard::UndefinedOperation,
+        Hazard::LargeValues,
+        Hazard::Cancellation,
+        Hazard::AccumulatedError,
+        Hazard::EndlessLoop,
+        Hazard::DriverNotFinite,
+        Hazard::DriverApart,
+    ];
+
+    /// Returns its entry in the catalogue.
+    pub fn info(self) -> &'static HazardInfo {
+        match self {
+            Hazard::LightAtFragment => &geometry::LIGHT_AT_FRAGMENT,
+            Hazard::AttenuationAtLight => &geometry::ATTENUATION_AT_LIGHT,
+            Hazard::CameraAtFragment => &geometry::CAMERA_AT_FRAGMENT,
+            Hazard::AttenuationUnset => &geometry::ATTENUATION_UNSET,
+            Hazard::LoopPastCount => &model::LOOP_PAST_COUNT,
+            Hazard::Overflow => &geometry::OVERFLOW,
+            Hazard::Underflow => &geometry::UNDERFLOW,
+            Hazard::EqualCutOffs => &geometry::EQUAL_CUT_OFFS,
+            Hazard::SwappedCutOffs => &geometry::SWAPPED_CUT_OFFS,
+            Hazard::ConeOutOfRange => &geometry::CONE_OUT_OF_RANGE,
+            Hazard::ZeroWidthCone => &geometry::ZERO_WIDTH_CONE,
+            Hazard::PowOfZero => &model::POW_OF_ZERO,
+            Hazard::PowOfNegative => &model::POW_OF_NEGATIVE,
+            Hazard::BaseAboveOne => &model::BASE_ABOVE_ONE,
+            Hazard::Uninitialised => &model::UNINITIALISED,
+            Hazard::HighlightFromBehind => &model::HIGHLIGHT_FROM_BEHIND,
+            Hazard::UnnormalisedNormal => &model::UNNORMALISED_NORMAL,
+            Hazard::Vec4Normalise => &model::VEC4_NORMALISE,
+            Hazard::FarFromOrigin => &geometry::FAR_FROM_ORIGIN,
+            Hazard::NarrowCone => &geometry::NARROW_CONE,
+            Hazard::ConeEdge => &geometry::CONE_EDGE,
+            Hazard::LargeExponent => &model::LARGE_EXPONENT,
+            Hazard::AmbientPerLight => &model::AMBIENT_PER_LIGHT,
+            Hazard::KahanWithoutPrecise => &model::KAHAN_WITHOUT_PRECISE,
+            Hazard::MediumpPosition => &geometry::MEDIUMP_POSITION,
+            Hazard::CountPastArray => &model::COUNT_PAST_ARRAY,
+            Hazard::ZeroDirection => &geometry::ZERO_DIRECTION,
+            Hazard::NegativeAttenuation => &geometry::NEGATIVE_ATTENUATION,
+            Hazard::LoneConstant => &geometry::LONE_CONSTANT,
+            Hazard::NotFinite => &arithmetic::NOT_FINITE,
+            Hazard::ZeroVector => &arithmetic::ZERO_VECTOR,
+            Hazard::OppositeVectors => &arithmetic::OPPOSITE_VECTORS,
+            Hazard::DivisionByZero => &arithmetic::DIVISION_BY_ZERO,
+            Hazard::UndefinedOperation => &arithmetic::UNDEFINED_OPERATION,
+            Hazard::LargeValues => &arithmetic::LARGE_VALUES,
+            Hazard::Cancellation => &arithmetic::CANCELLATION,
+            Hazard::AccumulatedError => &arithmetic::ACCUMULATED_ERROR,
+            Hazard::EndlessLoop => &arithmetic::ENDLESS_LOOP,
+            Hazard::DriverNotFinite => &arithmetic::DRIVER_NOT_FINITE,
+            Hazard::DriverApart => &arithmetic::DRIVER_APART,
+        }
+    }
+
+    /// Returns its code: `narrow-cone`.
+    pub fn code(self) -> &'static str {
+        self.info().code
+    }
+
+    /// Returns whether it is of arithmetic alone: lights and cameras play no part in it.
+    pub fn is_arithmetic(self) -> bool {
+        self >= Hazard::NotFinite
+    }
+
+    /// Returns the hazard of that code, alias or label.
+    pub fn named(name: &str) -> Option<Hazard> {
+        let by = |is: &dyn Fn(&HazardInfo) -> bool| Hazard::ALL.into_iter().find(|h| is(h.info()));
+        by(&|info| info.code == name)
+            .or_else(|| by(&|info| info.aliases.contains(&name)))
+            .or_else(|| by(&|info| info.label == Some(name)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn all_lists_every_hazard_in_order_and_names_are_unique() {
+        assert!(Hazard::ALL.is_sorted());
+        let mut seen = HashSet::new();
+        for hazard in Hazard::ALL {
+            let info = hazard.info();
+            for name in [info.code].iter().chain(info.aliases).chain(info.label.as_ref()) {
+                assert!(seen.insert(*name), "{name} names two hazards");
+                assert_eq!(Hazard::named(name), Some(hazard), "{name}");
+            }
+        }
+        assert_eq!(Hazard::named("H99"), None);
+        // The last variant's number is the length of a list without gaps.
+        assert_eq!(Hazard::DriverApart as usize + 1, Hazard::ALL.len());
+    }
+
+    #[test]
+    fn codes_are_kebab_case_and_no_text_is_empty() {
+        for hazard in Hazard::ALL {
+            let info = hazard.info();
+            let kebab = |c: char| c == '-' || c.is_ascii_lowercase() || c.is_ascii_digit();
+            assert!(info.code.chars().all(kebab), "{}", info.code);
+            for text in [info.name, info.what, info.why, info.robust, info.citation] {
+                assert!(!text.is_empty(), "{hazard:?}");
+            }
+        }
+    }
+
+    /// A guard written in a robust form is the hazard's threshold, or the square of it.
+    #[test]
+    fn robust_forms_guard_with_the_threshold() {
+        let mut guards = 0;
+        for hazard in Hazard::ALL {
+            let info = hazard.info();
+            for (at, _) in info.robust.match_indices("1.0e-") {
+                let digits = &info.robust[at..];
+                let end = digits[5..].find(|c: char| !c.is_ascii_digit()).unwrap_or(2) + 5;
+                let guard: f64 = digits[..end].parse().expect("a number");
+                let value = info.threshold.expect("a guard has a threshold").value;
+                let near = |x: f64| (guard - x).abs() <= 1e-9 * guard;
+                assert!(near(value) || near(value * value), "{hazard:?}: {guard}, not {value}");
+                guards += 1;
+            }
+        }
+        assert!(guards >= 8, "{guards}");
+    }
+}

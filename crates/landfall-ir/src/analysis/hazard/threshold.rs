@@ -1,0 +1,131 @@
+//! The numbers that separate inputs that meet a hazard from those that do not, each with its reason.
+
+/// A number below or above which inputs meet a hazard.
+#[derive(Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Threshold {
+    /// The number.
+    pub value: f64,
+    /// What is compared with it, with its unit.
+    pub of: &'static str,
+    /// Why it is this number.
+    pub why: &'static str,
+}
+
+impl Threshold {
+    /// Returns the number as GLSL and WGSL write it: `1.0e-4`.
+    pub fn literal(&self) -> String {
+        format!("{:.1e}", self.value)
+    }
+
+    /// Returns its square as GLSL and WGSL write it, for guards of squared lengths.
+    pub fn squared_literal(&self) -> String {
+        format!("{:.1e}", self.value * self.value)
+    }
+}
+
+/// The least length that is a length.
+pub static LENGTH: Threshold = Threshold {
+    value: 1e-15,
+    of: "length of the vector",
+    why: "its square, 1e-30, is 8e7 times the smallest normal f32 (1.2e-38), so that the squares \
+          of the components keep their digits where subnormals are flushed; without a guard \
+          errors begin at lengths of 1e-20 and lengths below 1.1e-19 vanish on devices that flush. \
+          No two points of a scene in f32 coordinates above 1e-7 are so near without being equal.",
+};
+
+/// The largest coordinate.
+pub static COORDINATE: Threshold = Threshold {
+    value: 1e18,
+    of: "coordinate or distance",
+    why: "the square of a distance between two such points is at most 1.2e37, below the largest \
+          f32 (3.4e38); squares overflow at distances of 1.85e19.",
+};
+
+/// The least number that attenuation divides by.
+pub static ATTENUATION: Threshold = Threshold {
+    value: 1e-4,
+    of: "number the attenuation divides by",
+    why: "the squared distance of 1 cm in metres: nearer than that a lamp has a size. It is the \
+          smallest power of ten that is a normal number in 16-bit floats (6.1e-5), and its \
+          reciprocal, 1e4, is finite there (65504) and in f32 sums; 1e-6 is subnormal in 16 bits \
+          and its reciprocal infinite. Every row of the published table of attenuations divides \
+          by 1 or more, so none of them changes.",
+};
+
+/// The least difference of cosines that a cone divides by.
+pub static CONE_WIDTH: Threshold = Threshold {
+    value: 1e-4,
+    of: "difference of cosines the cone divides by",
+    why: "a dot product of two normalised f32 vectors is up to 2.4e-7 above 1, and the division \
+          multiplies that by the reciprocal of this number: 0.6 of 255 steps at 1e-4, 61 at 1e-6 \
+          and all of them at 1e-7, where a cone of no width still sparkles. A cone of 0.5 and 1 degrees divides by 1.14e-4 and keeps its width; cosines \
+          cannot draw narrower ones anyway (`narrow-cone`).",
+};
+
+/// The largest absolute value of a cosine, rounded.
+pub static COSINE: Threshold = Threshold {
+    value: 1.0001,
+    of: "absolute value of the cosine",
+    why: "cosines are at most 1, and what is rounded to four digits is still taken for one.",
+};
+
+/// The most by which rounding alone lifts a cosine above one.
+pub static ABOVE_ONE: Threshold = Threshold {
+    value: 1e-5,
+    of: "excess of the base over 1",
+    why: "the length of a normalised f32 vector is within 3 ULP (4e-7) of 1 and its dot product \
+          within twice that; vectors scaled by a matrix of rounded entries reach ten times as \
+          far. What exceeds 1 by more is no cosine.",
+};
+
+/// A change of the result that counts.
+pub static CHANGE: Threshold = Threshold {
+    value: 1e-3,
+    of: "change of the result, as a share of full scale",
+    why: "a quarter of one of 255 steps: below it no 8-bit picture changes but by ties.",
+};
+
+/// Distance from the origin at which coordinates begin to cancel.
+pub static ORIGIN: Threshold = Threshold {
+    value: 1e3,
+    of: "coordinate",
+    why: "measured of a scene of 3 m at this distance: 0.2 of 255 steps at most (0.45 in view \
+          space); at 1e4 it is 2.9 (5.9). It is the last power of ten below half a step.",
+};
+
+/// The cosine of the half angle of a narrow cone.
+pub static NARROW: Threshold = Threshold {
+    value: 0.999,
+    of: "cosine of the cone's half angle",
+    why: "2.6 degrees: measured, a cone of 12.5 and 15 degrees is 0.006 of 255 steps off by \
+          cosines, one of 1 and 2 degrees 0.14, one of 0.5 and 1 degrees 0.53 and one of 0.05 and \
+          0.06 degrees all 255; by the chord none is off by more than 0.1. Of wider cones the \
+          chord is hardly better.",
+};
+
+/// Distance from the edge of a hard cone, in cosines.
+pub static EDGE: Threshold = Threshold {
+    value: 1e-6,
+    of: "distance of the cosines from the edge of the cone",
+    why: "a dot product of two normalised f32 vectors and the uploaded cosine are together up to \
+          3e-7 off; three times that finds every fragment that a device may have on the other \
+          side, and is 2.6e-4 degrees wide at 12.5 degrees.",
+};
+
+/// The exponent from which a loss in a power is the exponent's.
+pub static EXPONENT: Threshold = Threshold {
+    value: 16.0,
+    of: "exponent",
+    why: "the relative error of the base is multiplied by the exponent: by 16 it loses four bits, \
+          more than `pow` itself may; below that the error was there before. What shows depends \
+          on the picture: measured from f32 vectors it is 0.004 of 255 steps at 32, 0.035 at 256, \
+          0.54 at 4096 and 8.1 at 65536.",
+};
+
+/// Distance at which squares overflow in 16 bits.
+pub static HALF_DISTANCE: Threshold = Threshold {
+    value: 256.0,
+    of: "distance",
+    why: "the largest 16-bit float is 65504, just below the square of 256.",
+};

@@ -1,0 +1,117 @@
+//! `landfall rule` explains every code of a lint or hazard that any command can print.
+
+use std::collections::BTreeSet;
+use std::process::{Command, Output};
+
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_ir::analysis::hazards::Kind;
+use landfall_light::reference::Undef;
+use landfall_lint::LINTS;
+use landfall_lint::hazards::lint_of;
+
+fn rule(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    command.arg("rule").args(arguments).output().expect("the command runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// The codes of all places that print one.
+fn printed() -> BTreeSet<&'static str> {
+    let mut codes = BTreeSet::new();
+    // `check`.
+    codes.extend(LINTS.iter().map(|lint| lint.code));
+    // `lights`: the lint, and the hazard below it.
+    for kind in Kind::ALL {
+        codes.insert(lint_of(kind).code);
+        assert!(!kind.hazards().is_empty(), "{kind:?}");
+        codes.extend(kind.hazards().iter().map(|hazard| hazard.code()));
+    }
+    // `stress`.
+    codes.extend(Hazard::ALL.into_iter().map(Hazard::code));
+    // `render` against the reference: fragments without a value, and those at an edge.
+    codes.extend(Undef::ALL.into_iter().map(|undef| undef.hazard().code()));
+    codes.insert(Hazard::ConeEdge.code());
+    codes
+}
+
+#[test]
+fn every_printed_code_is_listed_and_explained() {
+    let list = text(&rule(&[]).stdout);
+    let json: serde_json::Value =
+        serde_json::from_slice(&rule(&["--format", "json"]).stdout).expect("JSON");
+    let listed: BTreeSet<&str> = json
+        .as_array()
+        .expect("an array")
+        .iter()
+        .map(|rule| rule["code"].as_str().expect("a code"))
+        .collect();
+    for code in printed() {
+        assert!(listed.contains(code), "{code} is not in the JSON");
+        assert!(list.lines().any(|line| line.split(' ').next() == Some(code)), "{code} in {list}");
+        let one = rule(&[code]);
+        let (out, err) = (text(&one.stdout), text(&one.stderr));
+        assert!(one.status.success() && err.is_empty(), "{code}: {err}");
+        assert!(out.starts_with(&format!("{code}  (")), "{out}");
+        for section in ["\nwhat\n  ", "\nwhy\n  "] {
+            assert!(out.contains(section), "{code} has no {section:?} in\n{out}");
+        }
+    }
+}
+
+#[test]
+fn a_hazard_is_explained_with_its_threshold_robust_form_and_source() {
+    for hazard in Hazard::ALL {
+        let info = hazard.info();
+        let out = text(&rule(&[info.code]).stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+        let flat = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        for said in [info.robust, info.citation] {
+            assert!(out.contains(&flat(said)), "{said:?} is not in {out}");
+        }
+        if let Some(threshold) = info.threshold {
+            let said = format!("threshold {} ({})", threshold.value, threshold.of);
+            assert!(out.contains(&said), "{said:?} is not in {out}");
+        }
+    }
+}
+
+#[test]
+fn labels_and_earlier_spellings_are_found_with_a_note() {
+    for hazard in Hazard::ALL {
+        let info = hazard.info();
+        for name in info.aliases.iter().chain(&info.label) {
+            let one = rule(&[name]);
+            assert!(text(&one.stdout).starts_with(&format!("{}  (", info.code)), "{name}");
+            assert_eq!(text(&one.stderr), format!("note: `{name}` is called `{}`\n", info.code));
+        }
+    }
+    let narrow = text(&rule(&["H17"]).stdout);
+    assert!(narrow.starts_with("narrow-cone  (hazard: narrow cone; warn in `stress`)"), "{narrow}");
+}
+
+/// A guard in the fix of a lint is the threshold of one of its hazards, or the square of it.
+#[test]
+fn lints_and_hazards_give_the_same_guards() {
+    let mut guards = 0;
+    for lint in LINTS {
+        let thresholds = lint.hazards().iter().filter_map(|hazard| hazard.info().threshold);
+        let known: Vec<String> =
+            thresholds.flat_map(|t| [t.literal(), t.squared_literal()]).collect();
+        for (at, _) in lint.fix.match_indices("1.0e-") {
+            let end = lint.fix[at..].find([')', ',', ' ']).map_or(lint.fix.len(), |n| at + n);
+            let guard = &lint.fix[at..end];
+            assert!(known.iter().any(|k| k == guard), "{}: {guard}, not {known:?}", lint.code);
+            guards += 1;
+        }
+    }
+    assert!(guards >= 3, "{guards}");
+}
+
+#[test]
+fn a_code_of_nothing_is_refused_with_the_nearest() {
+    let one = rule(&["narow-cone"]);
+    assert_eq!((one.status.code(), one.stdout.is_empty()), (Some(2), true));
+    assert!(text(&one.stderr).contains("did you mean `narrow-cone`?"), "{}", text(&one.stderr));
+}
