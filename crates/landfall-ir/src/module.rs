@@ -3,6 +3,7 @@
 //! Fed by `glsl` for GLSL of any version and by naga's own front
 //! end for WGSL. Feeds the evaluator and wgpu.
 
+use landfall_layout::diagnostic::Code;
 use std::panic::{self, AssertUnwindSafe};
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -336,11 +337,11 @@ impl Module {
                 let spans = error.spans().filter_map(|(span, _)| self.locate(*span));
                 let span = spans.last().unwrap_or_default();
                 let message = format!("naga's validator refuses it: {}", chain(error.as_inner()));
-                Err(vec![Diagnostic::error("cannot-run", span, message)])
+                Err(vec![Diagnostic::error(Code::CannotRun, span, message)])
             }
             Err(_) => {
                 let message = "naga's validator gives up on this shader";
-                Err(vec![Diagnostic::error("cannot-run", Span::default(), message)])
+                Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
             }
         }
     }
@@ -387,7 +388,7 @@ pub(super) fn on_a_large_stack<T: Send>(
             Ok(Err(_)) => "landfall failed on this shader; please report it",
             Err(_) => "there is no memory for a thread",
         };
-        Err(vec![Diagnostic::error("cannot-run", Span::default(), message)])
+        Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
     })
 }
 

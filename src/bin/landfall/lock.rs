@@ -1,5 +1,6 @@
 //! `landfall lock`: one lock a shader, written only where it changes.
 
+use landfall_layout::diagnostic::Code;
 use std::collections::HashSet;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -83,12 +84,12 @@ impl Job<'_> {
         };
         let input = match input {
             Ok(input) => input,
-            Err(error) => return failed(None, found(error, "no-input")),
+            Err(error) => return failed(None, found(error, Code::NoInput)),
         };
         let target =
             match self.config.lock_of(&self.locks, &read::named(&input.path, &self.args.read)) {
                 Ok(target) => target,
-                Err(error) => return failed(None, found(error, "no-input")),
+                Err(error) => return failed(None, found(error, Code::NoInput)),
             };
         let source = match read::source(&input.path, &self.args.read) {
             Ok(source) => source,
@@ -166,13 +167,13 @@ impl Tally {
             };
             let error = Error::new(target.display().to_string(), stale)
                 .with_help("run the same command without `--check`, and commit what it writes");
-            say(Diagnostic { code: "stale-lock", ..error.into() });
+            say(Diagnostic { code: Code::StaleLock, ..error.into() });
         } else {
             match write_whole(&target, &text) {
                 Ok(()) => self.changed += 1,
                 Err(error) => {
                     self.failed = true;
-                    say(Diagnostic { code: "output", ..error.into() });
+                    say(Diagnostic { code: Code::Output, ..error.into() });
                 }
             }
         }
@@ -202,7 +203,7 @@ impl Tally {
                     .with_help("remove it with `landfall lock --prune`");
                 let severity = if args.prune { Severity::Error } else { Severity::Warning };
                 self.pruned += usize::from(args.prune);
-                say(Diagnostic { code: "lock-orphan", severity, ..error.into() });
+                say(Diagnostic { code: Code::LockOrphan, severity, ..error.into() });
                 continue;
             }
             match fs::remove_file(&path) {
@@ -210,7 +211,7 @@ impl Tally {
                 Err(cause) => {
                     self.failed = true;
                     let message = format!("cannot be removed: {}", reason(&cause));
-                    say(Diagnostic { code: "output", ..Error::new(shown, message).into() });
+                    say(Diagnostic { code: Code::Output, ..Error::new(shown, message).into() });
                 }
             }
         }

@@ -3,6 +3,7 @@
 //!
 //! Feeds [`call`](super::call) and [`coverage`](super::coverage).
 
+use landfall_layout::diagnostic::Code;
 use serde_json::{Map, Value};
 
 use super::probe::plan::TAIL;
@@ -67,10 +68,10 @@ fn unknown(key: &str, blocks: &[ModuleBlock]) -> Box<Diagnostic> {
             (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
         }
     };
-    Box::new(finding("unknown-block", format!("no block named `{key}`"), help))
+    Box::new(finding(Code::UnknownBlock, format!("no block named `{key}`"), help))
 }
 
-fn finding(code: &'static str, message: String, help: Option<String>) -> Diagnostic {
+fn finding(code: Code, message: String, help: Option<String>) -> Diagnostic {
     // What the error advises stands apart.
     let (message, advice) = match message.split_once("\nhelp: ") {
         Some((message, advice)) => (message.to_string(), Some(advice.to_string())),

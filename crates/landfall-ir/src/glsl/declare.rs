@@ -1,5 +1,6 @@
 //! From tokens to [`ast`](super::ast): declarations, blocks, functions.
 
+use landfall_layout::diagnostic::Code;
 use std::rc::Rc;
 
 use super::ast::*;
@@ -215,7 +216,7 @@ impl<'a> Parser<'a, '_> {
         };
         if self.is("<") {
             let message = "types with parameters cannot run";
-            return Err(Box::new(Diagnostic::error("cannot-run", start, message)));
+            return Err(Box::new(Diagnostic::error(Code::CannotRun, start, message)));
         }
         let span = match base {
             TypeBase::Struct(_) => start,
@@ -234,7 +235,7 @@ impl<'a> Parser<'a, '_> {
         self.open_structures += 1;
         if self.open_structures > DEEPEST_STRUCTURE {
             let message = "structures are declared inside each other too deep";
-            return Err(Box::new(Diagnostic::error("nested-too-deep", name.span, message)));
+            return Err(Box::new(Diagnostic::error(Code::NestedTooDeep, name.span, message)));
         }
         let members = self.members()?;
         self.open_structures -= 1;

@@ -2,6 +2,7 @@
 //!
 //! Fed by the preprocessor; [`declare`](super::declare) is its other half.
 
+use landfall_layout::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
 use super::ast::*;
@@ -104,7 +105,7 @@ impl<'a, 't> Parser<'a, 't> {
             Kind::End => "the end of the file".to_string(),
             _ => format!("`{}`", token.text),
         };
-        Box::new(Diagnostic::error("syntax", token.span, format!("{wanted}, found {found}")))
+        Box::new(Diagnostic::error(Code::Syntax, token.span, format!("{wanted}, found {found}")))
     }
 
     pub fn name(&mut self) -> Parsed<Name<'a>> {
@@ -124,7 +125,7 @@ impl<'a, 't> Parser<'a, 't> {
         let depth = below + 1;
         if depth > DEEPEST_EXPRESSION {
             let message = format!("an expression nests more than {DEEPEST_EXPRESSION} deep");
-            return Err(Box::new(Diagnostic::error("nested-too-deep", span, message)));
+            return Err(Box::new(Diagnostic::error(Code::NestedTooDeep, span, message)));
         }
         Ok(Expr { kind, span, depth })
     }
@@ -133,7 +134,11 @@ impl<'a, 't> Parser<'a, 't> {
         self.depth += 1;
         if self.depth > DEEPEST_EXPRESSION {
             let message = format!("an expression nests more than {DEEPEST_EXPRESSION} deep");
-            return Err(Box::new(Diagnostic::error("nested-too-deep", self.token().span, message)));
+            return Err(Box::new(Diagnostic::error(
+                Code::NestedTooDeep,
+                self.token().span,
+                message,
+            )));
         }
         let result = read(self);
         self.depth -= 1;

@@ -5,6 +5,7 @@
 
 use super::ast::*;
 use super::parse::{Parsed, Parser};
+use landfall_layout::diagnostic::Code;
 use landfall_layout::diagnostic::Diagnostic;
 pub use landfall_layout::syntax::glsl::lexer::Kind;
 pub use landfall_layout::syntax::glsl::types::builtin;
@@ -30,7 +31,11 @@ impl<'a> Parser<'a, '_> {
         self.statements += 1;
         if self.statements > DEEPEST_STATEMENT {
             let message = format!("statements nest more than {DEEPEST_STATEMENT} deep");
-            return Err(Box::new(Diagnostic::error("nested-too-deep", self.token().span, message)));
+            return Err(Box::new(Diagnostic::error(
+                Code::NestedTooDeep,
+                self.token().span,
+                message,
+            )));
         }
         let start = self.token().span;
         let kind = self.statement_kind()?;

@@ -20,6 +20,7 @@ pub mod raw;
 mod target;
 pub mod types;
 
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, Majorness, OffsetOrder, Rules, Shape};
 use crate::source::{ReadOptions, Source, Span};
@@ -29,7 +30,7 @@ use preprocess::Preprocessor;
 pub use preprocess::Texts;
 
 /// Errors after which a text is read no further: what was read before them is not to be trusted.
-const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb"];
+const FATAL: &[Code] = &[Code::CyclicInclude, Code::MacroBomb, Code::IncludeBomb];
 
 /// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
@@ -49,13 +50,13 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
     let mut preprocessor = reader.preprocessor;
     let mut diagnostics = std::mem::take(&mut preprocessor.diagnostics);
     if empty && diagnostics.is_empty() && source.text.trim().is_empty() {
-        diagnostics.push(Diagnostic::error("empty-file", Span::default(), "the file is empty"));
+        diagnostics.push(Diagnostic::error(Code::EmptyFile, Span::default(), "the file is empty"));
     }
     if diagnostics.iter().any(|d| FATAL.contains(&d.code)) {
         // A text that was read several times over says the same things several times.
         let mut told = Vec::new();
         diagnostics.retain(|d| {
-            let new = d.code != "duplicate-name" && !told.contains(&d.labels);
+            let new = d.code != Code::DuplicateName && !told.contains(&d.labels);
             told.push(d.labels.clone());
             new
         });
@@ -96,7 +97,7 @@ pub fn tokens<'a>(source: &Source, options: &'a ReadOptions, texts: &'a Texts) -
         }
         if tokens.len() == MOST_TOKENS {
             let message = format!("the shader has more than {MOST_TOKENS} tokens");
-            preprocessor.report(Diagnostic::error("cannot-run", token.span, message));
+            preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
             preprocessor.stopped = true;
         }
     }
@@ -119,7 +120,7 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
             if !sized {
                 let message =
                     format!("`{}` cannot be gathered: its size is not written", member.name);
-                let diagnostic = Diagnostic::error("array-size", member.span, message);
+                let diagnostic = Diagnostic::error(Code::ArraySize, member.span, message);
                 reader.preprocessor.report(
                     diagnostic.with_help("write the number of elements between the brackets"),
                 );

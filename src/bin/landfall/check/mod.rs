@@ -14,6 +14,7 @@ pub mod shard;
 pub mod tree;
 mod verified;
 
+use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -55,7 +56,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         match rust::files(&config, &settings, &args.paths) {
             Ok(files) => settings.rust_files = files,
             Err(error) => {
-                return Ok(could_not(Diagnostic { code: "bad-rust", ..error.into() }, streams));
+                return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
             }
         }
     }
@@ -91,7 +92,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     for error in &mended.refused {
         pass.no_input.push(one::of_diagnostic(
-            &Diagnostic { code: "output", ..error.clone().into() },
+            &Diagnostic { code: Code::Output, ..error.clone().into() },
             &Files::default(),
         ));
     }

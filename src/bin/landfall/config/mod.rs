@@ -10,6 +10,7 @@ mod lints;
 mod root;
 mod toml;
 
+use landfall_layout::diagnostic::Code;
 use std::path::{Path, PathBuf};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
@@ -119,7 +120,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
 fn target(keys: &Keys<'_>, text: &Text) -> Option<Api> {
     let found = Limits::from_name(&text.value);
     if found.is_none() {
-        keys.unknown("unknown-target", "target", text, &Limits::ALL.map(Limits::name));
+        keys.unknown(Code::UnknownTarget, "target", text, &Limits::ALL.map(Limits::name));
     }
     found.map(|limits| match limits {
         Limits::Gl33 => Api::Gl33,
@@ -137,7 +138,7 @@ fn pairs(
     parse: impl Fn(&str) -> Result<(String, String), String>,
 ) -> Vec<(String, String)> {
     let texts = keys.texts(key).unwrap_or_default();
-    texts.iter().filter_map(|text| keys.parsed("wrong-value", text, &parse)).collect()
+    texts.iter().filter_map(|text| keys.parsed(Code::WrongValue, text, &parse)).collect()
 }
 
 fn exclude(keys: &Keys<'_>) -> Exclude {
@@ -243,7 +244,7 @@ pub fn is_code(code: &str) -> bool {
 pub fn unknown_code(code: &str) -> Diagnostic {
     let near = nearest(code, LINTS.iter().map(|lint| lint.code));
     Diagnostic {
-        code: "unknown-lint",
+        code: Code::UnknownLint,
         severity: Severity::Error,
         message: format!("there is no lint `{code}`"),
         path: None,

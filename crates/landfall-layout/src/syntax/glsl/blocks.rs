@@ -5,6 +5,7 @@ use super::declarations::{Defaults, Named, Reader};
 use super::lexer::{Kind, Token};
 use super::members::{Place, majorness};
 use super::qualifiers::Qualifiers;
+use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, OffsetOrder, Rules};
 use crate::source::Target;
 
@@ -50,7 +51,7 @@ impl<'a> Reader<'a> {
         let unread = self.preprocessor.diagnostics.len() > errors;
         if read.members.is_empty() && read.problems.is_empty() && !unread {
             let message = format!("block `{}` has no members", name.text);
-            read.problems.push(self.diagnostic(&name, "empty-struct", message));
+            read.problems.push(self.diagnostic(&name, Code::EmptyStruct, message));
         }
         if let Some(id) = qualifiers.find("align") {
             // GLSL 4.60 §4.4.5: `align` on a block is as if on each member without its own.

@@ -3,6 +3,7 @@
 
 mod skip;
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
@@ -135,7 +136,7 @@ impl<'a> Reader<'a> {
             _ => format!("`{}`", self.token.text),
         };
         let message = format!("expected `{text}`, found {found}");
-        let diagnostic = self.diagnostic(&self.token, "syntax", message);
+        let diagnostic = self.diagnostic(&self.token, Code::Syntax, message);
         let after = Span { start: self.previous.span.end, ..self.previous.span };
         self.report(match self.previous.kind {
             Kind::End => diagnostic,
@@ -148,7 +149,7 @@ impl<'a> Reader<'a> {
     pub fn diagnostic(
         &self,
         token: &Token<'a>,
-        code: &'static str,
+        code: Code,
         message: impl Into<String>,
     ) -> Diagnostic {
         let diagnostic = Diagnostic::error(code, token.span, message);
@@ -162,7 +163,7 @@ impl<'a> Reader<'a> {
         self.preprocessor.report(diagnostic);
     }
 
-    pub fn report_at(&mut self, token: &Token<'a>, code: &'static str, message: impl Into<String>) {
+    pub fn report_at(&mut self, token: &Token<'a>, code: Code, message: impl Into<String>) {
         let diagnostic = self.diagnostic(token, code, message);
         self.report(diagnostic);
     }
@@ -298,7 +299,7 @@ impl<'a> Reader<'a> {
             let open = self.token;
             if !self.preprocessor.skip_body(&open) {
                 let message = format!("the body of `{}` is never closed", name.text);
-                self.report_at(&open, "unclosed-brace", message);
+                self.report_at(&open, Code::UnclosedBrace, message);
             }
             self.previous = Token { text: "}", ..open };
             self.token = self.preprocessor.next();

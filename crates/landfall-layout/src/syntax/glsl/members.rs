@@ -3,6 +3,7 @@
 
 mod resolve;
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
@@ -55,7 +56,7 @@ impl<'a> Reader<'a> {
             let message = format!(
                 "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
             );
-            self.report_at(&name, "nested-too-deep", message);
+            self.report_at(&name, Code::NestedTooDeep, message);
             self.preprocessor.stopped = true;
             return None;
         }
@@ -67,7 +68,7 @@ impl<'a> Reader<'a> {
         }
         if read.members.is_empty() && read.opaque.is_empty() && read.problems.is_empty() {
             let message = "a structure has at least one member";
-            read.problems.push(self.diagnostic(&name, "empty-struct", message));
+            read.problems.push(self.diagnostic(&name, Code::EmptyStruct, message));
         }
         let named = if read.problems.is_empty() {
             let text = if anonymous { "" } else { name.text };
@@ -89,7 +90,7 @@ impl<'a> Reader<'a> {
         };
         if let Some(before) = before {
             let message = format!("structure `{}` is declared twice", name.text);
-            let diagnostic = self.diagnostic(&name, "duplicate-name", message);
+            let diagnostic = self.diagnostic(&name, Code::DuplicateName, message);
             self.report(diagnostic.with_label(before, "declared before here"));
         }
         self.types.insert(name.text, named);
@@ -102,7 +103,7 @@ impl<'a> Reader<'a> {
             return true;
         }
         if self.token.kind == Kind::End {
-            self.report_at(open, "unclosed-brace", "`{` is never closed");
+            self.report_at(open, Code::UnclosedBrace, "`{` is never closed");
         } else {
             self.recover();
         }
@@ -141,13 +142,13 @@ impl<'a> Reader<'a> {
         } else {
             let message =
                 format!("unexpected `{}` among the members of `{}`", self.token.text, owner.text);
-            self.report_at(&self.token.clone(), "syntax", message);
+            self.report_at(&self.token.clone(), Code::Syntax, message);
             return self.recover_member();
         };
         if let (Place::Struct, Some(id)) = (place, qualifiers.layout.first()) {
             // GLSL 4.60 §4.1.8: members of a structure take no layout qualifiers.
             let message = format!("`{}` does not go on a member of a structure", id.name.text);
-            let diagnostic = self.diagnostic(&id.name, "layout-qualifier", message);
+            let diagnostic = self.diagnostic(&id.name, Code::LayoutQualifier, message);
             let help = format!("write it on the member of the block that is a `{}`", owner.text);
             result.problems.push(diagnostic.with_help(help));
         }
@@ -163,7 +164,7 @@ impl<'a> Reader<'a> {
         for (index, Declarator { name, dims, .. }) in declarators.iter().enumerate() {
             if result.taken.contains(name.text) {
                 let message = format!("`{}` has two members named `{}`", owner.text, name.text);
-                result.problems.push(self.diagnostic(name, "duplicate-name", message));
+                result.problems.push(self.diagnostic(name, Code::DuplicateName, message));
                 continue;
             }
             let data = match (&resolved, place) {
@@ -243,7 +244,7 @@ impl<'a> Reader<'a> {
             let message = format!("`align = {}` is no power of two", written.value);
             let next = written.value.max(1).next_power_of_two();
             return Err(self
-                .diagnostic(&id.name, "layout-qualifier", message)
+                .diagnostic(&id.name, Code::LayoutQualifier, message)
                 .with_help(format!("write `align = {next}`")));
         }
         Ok(written)
@@ -265,7 +266,7 @@ impl<'a> Reader<'a> {
                 "`{}` nests structures and arrays {depth} deep, landfall takes {DEEPEST_NESTING}",
                 name.text
             );
-            return Err(self.diagnostic(name, "nested-too-deep", message));
+            return Err(self.diagnostic(name, Code::NestedTooDeep, message));
         }
         let mut ty = element;
         for (index, dim) in all.iter().enumerate().rev() {
@@ -284,7 +285,7 @@ impl<'a> Reader<'a> {
 
     fn unsized_array(&self, name: &Token<'a>, span: Span) -> Diagnostic {
         let message = format!("the size of array `{}` is not written", name.text);
-        Diagnostic::error("array-size", span, message)
+        Diagnostic::error(Code::ArraySize, span, message)
             .with_note("only the last member of a `buffer` block may be runtime-sized")
             .with_help("write the number of elements between the brackets")
     }
@@ -296,7 +297,7 @@ impl<'a> Reader<'a> {
         dim: &Dim<'a>,
     ) -> Result<u32, Diagnostic> {
         let fail = |this: &Self, span: Span, message: String| {
-            let diagnostic = Diagnostic::error("array-size", span, message);
+            let diagnostic = Diagnostic::error(Code::ArraySize, span, message);
             match dim.size.iter().find(|t| t.span == span).and_then(|t| t.definition) {
                 Some(definition) => diagnostic.with_label(definition, "from this macro"),
                 None => match dim.size.first().and_then(|t| t.definition) {
@@ -339,7 +340,7 @@ impl<'a> Reader<'a> {
             ty.text(),
             owner.text
         );
-        self.diagnostic(name, "opaque-in-block", message).with_help(format!(
+        self.diagnostic(name, Code::OpaqueInBlock, message).with_help(format!(
             "declare `uniform {} {};` outside the block",
             ty.text(),
             name.text

@@ -5,6 +5,7 @@
 
 mod expand;
 
+use crate::diagnostic::Code;
 use std::cell::OnceCell;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -206,7 +207,7 @@ impl<'a> Preprocessor<'a> {
             if text.starts_with("/*") && (text.len() < 4 || !text.ends_with("*/")) {
                 let span = Span { end: comment.start + 2, ..comment };
                 let message = "`/*` is never closed";
-                self.report(Diagnostic::error("unclosed-comment", span, message));
+                self.report(Diagnostic::error(Code::UnclosedComment, span, message));
             }
         }
         self.check_open_conditions();

@@ -2,6 +2,7 @@
 
 use super::declarations::Reader;
 use super::lexer::{Kind, Token};
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 
 /// What the qualifiers of a declaration say.
@@ -164,7 +165,7 @@ impl<'a> Reader<'a> {
         while !self.token.is(")") {
             if self.token.kind != Kind::Name {
                 let message = format!("`layout(…)` has an unexpected `{}`", self.token.text);
-                self.report_at(&self.token.clone(), "syntax", message);
+                self.report_at(&self.token.clone(), Code::Syntax, message);
                 break;
             }
             let name = self.bump();
@@ -187,16 +188,16 @@ impl<'a> Reader<'a> {
         let name = id.name;
         if id.value.is_empty() {
             let message = format!("`{}` wants a number: `{} = N`", name.text, name.text);
-            return Err(self.diagnostic(&name, "layout-qualifier", message));
+            return Err(self.diagnostic(&name, Code::LayoutQualifier, message));
         }
         let value = self.constant_integer(&id.value, name.span);
         let value = value.map_err(|problem| {
             let message = format!("the value of `{}` {}", name.text, problem.message);
-            Diagnostic::error("layout-qualifier", problem.span, message)
+            Diagnostic::error(Code::LayoutQualifier, problem.span, message)
         })?;
         u64::try_from(value).map_err(|_| {
             let message = format!("`{} = {value}` is negative", name.text);
-            self.diagnostic(&id.value[0], "layout-qualifier", message)
+            self.diagnostic(&id.value[0], Code::LayoutQualifier, message)
         })
     }
 }

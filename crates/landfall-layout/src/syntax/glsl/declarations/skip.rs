@@ -3,6 +3,7 @@
 //! The other half of [`declarations`](super).
 
 use super::Reader;
+use crate::diagnostic::Code;
 use crate::syntax::glsl::lexer::{Kind, Token};
 
 impl<'a> Reader<'a> {
@@ -40,7 +41,7 @@ impl<'a> Reader<'a> {
                 ")" | "]" | "}" => depth = depth.saturating_sub(1),
                 _ if self.token.kind == Kind::End => {
                     let message = format!("`{}` is never closed", open.text);
-                    return self.report_at(&open, "unclosed-brace", message);
+                    return self.report_at(&open, Code::UnclosedBrace, message);
                 }
                 _ => {}
             }
@@ -90,23 +91,25 @@ impl<'a> Reader<'a> {
         let token = self.token;
         let diagnostic = match (token.kind, token.text) {
             (Kind::End, _) => {
-                self.diagnostic(&token, "syntax", "the file ends inside a declaration")
+                self.diagnostic(&token, Code::Syntax, "the file ends inside a declaration")
             }
-            (_, "}") => self.diagnostic(&token, "syntax", "`}` closes nothing"),
+            (_, "}") => self.diagnostic(&token, Code::Syntax, "`}` closes nothing"),
             (Kind::Stray, text) => {
                 let message =
                     format!("GLSL has no use for the character `{}`", text.escape_debug());
-                self.diagnostic(&token, "syntax", message)
+                self.diagnostic(&token, Code::Syntax, message)
             }
             (_, "(") if self.previous.kind == Kind::Name => {
                 let name = self.previous;
                 let message = format!("`{}` is called where a declaration is wanted", name.text);
-                self.diagnostic(&name, "syntax", message)
+                self.diagnostic(&name, Code::Syntax, message)
                     .with_help(format!("define the macro `{}`, if it is one", name.text))
             }
-            (_, text) => {
-                self.diagnostic(&token, "syntax", format!("unexpected `{text}` in a declaration"))
-            }
+            (_, text) => self.diagnostic(
+                &token,
+                Code::Syntax,
+                format!("unexpected `{text}` in a declaration"),
+            ),
         };
         self.report(diagnostic);
         self.recover();
