@@ -32,7 +32,7 @@ fn told(shader: &ShaderLayout) -> Vec<String> {
         .iter()
         .map(|d| {
             let at = shader.files.locate(d.labels.first().expect("a place").span);
-            format!("{} {}:{}", d.code, at.line, at.column)
+            format!("{} {}:{}", d.code.name(), at.line, at.column)
         })
         .collect()
 }

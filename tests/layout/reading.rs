@@ -61,7 +61,7 @@ fn open() -> Driver {
 
 /// The codes of warnings and errors, in order.
 fn codes(shader: &ShaderLayout) -> Vec<&'static str> {
-    shader.diagnostics.iter().map(|found| found.code).collect()
+    shader.diagnostics.iter().map(|found| found.code.name()).collect()
 }
 
 #[test]

@@ -116,7 +116,8 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
             let found = shader.diagnostics.iter().filter(|found| found.code == lint.code);
             let finding = |found: &landfall_layout::Diagnostic| {
                 let place = Place::of(&shader.files, found.labels[0].span);
-                let finding = Finding::new(found.code, "Light", place, found.message.clone());
+                let finding =
+                    Finding::new(found.code.name(), "Light", place, found.message.clone());
                 Finding { help: found.help.clone(), ..finding }
             };
             found.map(finding).collect()

@@ -19,7 +19,7 @@ fn findings(text: &str) -> Vec<(&'static str, String)> {
     let shader = laid_out(text);
     let told = shader.diagnostics.iter().map(|d| {
         let at = d.labels.first().map_or("", |label| shader.files.text(label.span));
-        (d.code, at.to_string())
+        (d.code.name(), at.to_string())
     });
     told.collect()
 }
@@ -29,7 +29,11 @@ fn only_finding(text: &str) -> (String, String, String) {
     assert_eq!(shader.diagnostics.len(), 1, "{text}\n{:#?}", shader.diagnostics);
     let found = &shader.diagnostics[0];
     let at = shader.files.text(found.labels[0].span).to_string();
-    (format!("{}: {}", found.code, found.message), at, found.help.clone().unwrap_or_default())
+    (
+        format!("{}: {}", found.code.name(), found.message),
+        at,
+        found.help.clone().unwrap_or_default(),
+    )
 }
 
 #[test]
@@ -255,7 +259,7 @@ fn uniform_memory_wants_more_than_the_rules() {
         let shader = laid_out(text);
         assert_eq!(shader.blocks.len(), 1, "the layout stands");
         let told = shader.diagnostics.iter().map(|d| {
-            assert_eq!((d.code, d.severity), ("uniform-constraints", Severity::Warning));
+            assert_eq!((d.code.name(), d.severity), ("uniform-constraints", Severity::Warning));
             (shader.files.text(d.labels[0].span).to_string(), d.help.clone().unwrap())
         });
         told.collect::<Vec<_>>()

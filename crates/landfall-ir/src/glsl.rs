@@ -31,6 +31,7 @@ mod texture;
 mod types;
 mod uses;
 
+use landfall_layout::diagnostic::Code;
 use std::rc::Rc;
 
 use naga::Handle;
@@ -67,7 +68,7 @@ pub struct Lowered {
 
 /// What cannot run, and where.
 pub(super) fn refuse(span: Span, message: impl Into<String>) -> Box<Diagnostic> {
-    Box::new(Diagnostic::error("cannot-run", span, message))
+    Box::new(Diagnostic::error(Code::CannotRun, span, message))
 }
 
 /// Advice for a refusal.

@@ -3,6 +3,7 @@
 //! Made by `lower` from GLSL of any version and from WGSL. Feeds the interpreter
 //! and the drivers.
 
+use landfall_layout::diagnostic::Code;
 use std::panic::{self, AssertUnwindSafe};
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -284,11 +285,11 @@ impl Module {
                 let spans = error.spans().filter_map(|(span, _)| self.locate(*span));
                 let span = spans.last().unwrap_or_default();
                 let message = format!("naga's validator refuses it: {}", chain(error.as_inner()));
-                Err(vec![Diagnostic::error("cannot-run", span, message)])
+                Err(vec![Diagnostic::error(Code::CannotRun, span, message)])
             }
             Err(_) => {
                 let message = "naga's validator gives up on this shader";
-                Err(vec![Diagnostic::error("cannot-run", Span::default(), message)])
+                Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
             }
         }
     }

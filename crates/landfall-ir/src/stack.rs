@@ -1,6 +1,7 @@
 //! A thread with a stack for what recurses over a shader.
 
 use landfall_layout::Diagnostic;
+use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Span;
 
 /// Bytes of stack for what recurses over a shader's text; it is touched only as far as it nests.
@@ -17,6 +18,6 @@ pub(super) fn on_a_large_stack<T: Send>(
             Ok(Err(_)) => "landfall failed on this shader; please report it",
             Err(_) => "there is no memory for a thread",
         };
-        Err(vec![Diagnostic::error("cannot-run", Span::default(), message)])
+        Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
     })
 }

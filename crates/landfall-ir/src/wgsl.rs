@@ -3,6 +3,7 @@
 //! Feeds [`module`](super::module). naga 30.0.1 forgets the `@align` of a nested structure's
 //! members (gfx-rs/wgpu#4377), so offsets, strides and sizes are always replaced.
 
+use landfall_layout::diagnostic::Code;
 use std::panic::{self, AssertUnwindSafe};
 
 use naga::{Handle, TypeInner};
@@ -71,7 +72,7 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
             start: range.start as u32 - bases.starts[0],
             end: range.end as u32 - bases.starts[0],
         });
-        vec![Diagnostic::error("cannot-run", span.unwrap_or_default(), message)]
+        vec![Diagnostic::error(Code::CannotRun, span.unwrap_or_default(), message)]
     };
     if !is_bounded(text) {
         return Err(refused(None, "the text is too long or nests too deep for naga".to_string()));

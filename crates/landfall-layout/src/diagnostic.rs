@@ -2,6 +2,10 @@
 //!
 //! Made by every stage of the way through, rendered by [`crate::format`].
 
+mod code;
+
+pub use code::Code;
+
 use crate::error::Error;
 use crate::source::Span;
 
@@ -27,8 +31,8 @@ impl Severity {
 /// One finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Kebab-case name of the kind of finding: `unknown-type`.
-    pub code: &'static str,
+    /// The kind of finding.
+    pub code: Code,
     /// How serious it is.
     pub severity: Severity,
     /// One sentence, lower case, names in backticks.
@@ -54,7 +58,7 @@ pub struct Label {
 
 impl Diagnostic {
     /// An error: no layout can be given for what it is about.
-    pub fn error(code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
+    pub fn error(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
         Diagnostic {
             code,
             severity: Severity::Error,
@@ -67,13 +71,13 @@ impl Diagnostic {
     }
 
     /// A warning: the layout stands, but the reader should know.
-    pub fn warning(code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
+    pub fn warning(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
         Diagnostic { severity: Severity::Warning, ..Diagnostic::error(code, span, message) }
     }
 
     /// An error about a file, an option or nothing that has a place in the text.
     pub fn about(
-        code: &'static str,
+        code: Code,
         message: impl Into<String>,
         help: Option<String>,
         about: impl Into<String>,
@@ -119,7 +123,7 @@ impl Diagnostic {
 impl From<Error> for Diagnostic {
     fn from(error: Error) -> Diagnostic {
         Diagnostic {
-            code: "unreadable-file",
+            code: Code::UnreadableFile,
             severity: Severity::Error,
             message: format!("`{}` {}", error.path, error.message),
             path: Some(error.path),

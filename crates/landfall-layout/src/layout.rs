@@ -14,6 +14,7 @@ pub mod rules;
 pub mod targets;
 pub mod uniform_constraints;
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
@@ -252,7 +253,7 @@ fn check_offset(
     if !own.divides(offset.value) {
         diagnostics.push(
             Diagnostic::error(
-                "misaligned-offset",
+                Code::MisalignedOffset,
                 offset.span,
                 format!(
                     "`{}` is given offset {}, but a `{}` is aligned to {} bytes in {}",
@@ -274,7 +275,7 @@ fn check_offset(
     if offset.value < before && block.offset_order == OffsetOrder::Ascending {
         diagnostics.push(
             Diagnostic::error(
-                "offset-goes-back",
+                Code::OffsetGoesBack,
                 offset.span,
                 format!(
                     "`{}` is given offset {}, but the member before it ends at {before}",
@@ -310,7 +311,7 @@ pub fn untold_order(block: &Block, layout: &BlockLayout) -> Vec<Diagnostic> {
                 member.name,
                 member.offset.unwrap_or(0),
             );
-            Diagnostic::warning("offset-goes-back", member.span, message)
+            Diagnostic::warning(Code::OffsetGoesBack, member.span, message)
                 .with_note("Vulkan takes explicit offsets in any order, OpenGL only ascending ones")
                 .with_help("say which it is for with `--target vulkan` or `--target opengl`")
         })
@@ -319,7 +320,7 @@ pub fn untold_order(block: &Block, layout: &BlockLayout) -> Vec<Diagnostic> {
 
 fn overlap(member: &Member, at: u64, other: &(u64, u64, &Member)) -> Diagnostic {
     Diagnostic::error(
-        "overlapping-members",
+        Code::OverlappingMembers,
         member.span,
         format!(
             "`{}` at offset {at} overlaps `{}`, which occupies {} to {}",
@@ -334,13 +335,13 @@ fn overlap(member: &Member, at: u64, other: &(u64, u64, &Member)) -> Diagnostic 
 
 fn too_many_leaves(block: &Block, leaves: u64) -> Diagnostic {
     let message = format!("block `{}` has {leaves} members at the ends of its tree", block.name);
-    Diagnostic::error("too-many-members", block.span, message)
+    Diagnostic::error(Code::TooManyMembers, block.span, message)
         .with_note(format!("landfall lays out at most {MOST_LEAVES} a block"))
 }
 
 fn too_large(block: &Block, member: &Member) -> Diagnostic {
     Diagnostic::error(
-        "block-too-large",
+        Code::BlockTooLarge,
         member.span,
         format!("block `{}` is larger than 2^32 bytes at member `{}`", block.name, member.name),
     )
@@ -350,7 +351,7 @@ fn too_large(block: &Block, member: &Member) -> Diagnostic {
 
 fn too_large_block(block: &Block) -> Diagnostic {
     Diagnostic::error(
-        "block-too-large",
+        Code::BlockTooLarge,
         block.span,
         format!("block `{}` is larger than 2^32 bytes", block.name),
     )

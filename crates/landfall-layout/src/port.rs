@@ -25,6 +25,7 @@ mod uniforms;
 mod wgsl;
 mod words;
 
+use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, DEFAULT_BLOCK};
 use crate::source::{Language, ReadOptions, Source, Span, Stage, Target};
 use crate::syntax::glsl::raw;
@@ -208,7 +209,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic
     if source.language != Language::Glsl {
         let message =
             format!("`{}` is {}, only GLSL is ported", source.path, source.language.name());
-        return Err(vec![Diagnostic::error("not-portable", Span::default(), message)]);
+        return Err(vec![Diagnostic::error(Code::NotPortable, Span::default(), message)]);
     }
     let shader = Shader::new(&source.text, raw::read(source, &options.read));
     let mut problems = readable(source, options, &shader);
@@ -217,7 +218,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic
     }
     let Some(stage) = source.stage.or_else(|| stage_of(&shader)) else {
         let message = "the stage is not known from the file's name";
-        let problem = Diagnostic::error("not-portable", Span::default(), message);
+        let problem = Diagnostic::error(Code::NotPortable, Span::default(), message);
         return Err(vec![
             problem.with_help("name it `.vert`, `.frag` and so on, or say `--stage`"),
         ]);
@@ -303,7 +304,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
         if member.span.file != 0 || !found.contains(&&*member.name) {
             let message = format!("`{}` is declared by a macro or in an include", member.name);
             problems.push(
-                Diagnostic::error("not-portable", member.span, message)
+                Diagnostic::error(Code::NotPortable, member.span, message)
                     .with_note("the text of one file is edited, macros and includes are left alone")
                     .with_help("write the declaration out in the shader itself"),
             );
@@ -320,7 +321,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             let message = format!("`{}`, which is included, has `{word}` in it", file.path);
             let span = Span { file: index as u32, start: 0, end: 0 };
             problems.push(
-                Diagnostic::error("not-portable", span, message)
+                Diagnostic::error(Code::NotPortable, span, message)
                     .with_help("port the included file's text as part of the shader"),
             );
         }
@@ -336,14 +337,14 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             .any(|token| token.text.starts_with("gl_") || token.text == "buffer_reference");
         if edited && !builtin {
             let message = "this declaration is not understood";
-            let problem = Diagnostic::error("not-portable", shader.span(tokens.start), message);
+            let problem = Diagnostic::error(Code::NotPortable, shader.span(tokens.start), message);
             problems.push(problem.with_help("write it without macros"));
         }
     }
     let subroutine = shader.code.iter().position(|token| token.text == "subroutine");
     if let Some(at) = subroutine {
         let message = "Vulkan has no subroutines";
-        problems.push(Diagnostic::error("not-portable", shader.span(at), message));
+        problems.push(Diagnostic::error(Code::NotPortable, shader.span(at), message));
     }
     problems
 }
@@ -428,7 +429,7 @@ fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(),
     if problems.is_empty() && (gathered != moved || loose) {
         let message = "the ported text does not hold the uniforms of the original";
         problems.push(
-            Diagnostic::error("not-portable", Span::default(), message)
+            Diagnostic::error(Code::NotPortable, Span::default(), message)
                 .with_note("this is a limit of landfall, not a fault of the shader"),
         );
     }

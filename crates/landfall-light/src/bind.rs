@@ -10,6 +10,7 @@ mod guess;
 pub mod quantity;
 mod read;
 
+use landfall_layout::diagnostic::Code;
 use std::fmt;
 
 pub use fill::{Excess, Filler, Lit, Tiles};
@@ -180,13 +181,13 @@ pub enum BindError {
 
 impl BindError {
     /// The code of the finding.
-    pub fn code(&self) -> &'static str {
+    pub fn code(&self) -> Code {
         match self {
-            BindError::NoLights { .. } => "no-lights",
-            BindError::TooManyLights { .. } => "too-many-lights",
-            BindError::UnknownTarget { .. } => "unknown-member",
-            BindError::UnknownQuantity { .. } => "unknown-quantity",
-            BindError::Misfit { .. } => "wrong-type",
+            BindError::NoLights { .. } => Code::NoLights,
+            BindError::TooManyLights { .. } => Code::TooManyLights,
+            BindError::UnknownTarget { .. } => Code::UnknownMember,
+            BindError::UnknownQuantity { .. } => Code::UnknownQuantity,
+            BindError::Misfit { .. } => Code::WrongType,
         }
     }
 

@@ -1,6 +1,7 @@
 //! `landfall decode`: the bytes of a block as a table or JSON, and what looks wrong in them.
 
 use landfall_layout::buffer::{BufferError, Decoded, decode};
+use landfall_layout::diagnostic::Code;
 use landfall_layout::format::diagnostics::MOST_SHOWN;
 use landfall_layout::format::values;
 use landfall_layout::source::Files;
@@ -84,7 +85,7 @@ fn decoded<'a>(
             let rest = usize::try_from(offset).ok().and_then(|offset| bytes.get(offset..));
             let Some(rest) = rest else {
                 let message = format!("`{path}` has {given} bytes, none at offset {offset}");
-                return Err(shader::finding(&path, "offset-out-of-range", message, None));
+                return Err(shader::finding(&path, Code::OffsetOutOfRange, message, None));
             };
             &rest[..whole.map_or(rest.len(), |whole| whole.min(rest.len()))]
         }
@@ -112,7 +113,7 @@ fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<
         severity: Severity::Warning,
         ..shader::finding(&path, code, message, None)
     };
-    let notes = decoded.notes.iter().map(|note| warning("odd-length", note.clone()));
+    let notes = decoded.notes.iter().map(|note| warning(Code::OddLength, note.clone()));
     let findings = &decoded.findings;
     let all = findings.list.iter().map(|found| warning(found.code(), found.to_string()));
     let mut warnings: Vec<Diagnostic> = notes.chain(all).collect();
@@ -124,7 +125,7 @@ fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<
     if total > most || findings.more > 0 {
         warnings.truncate(most - 1);
         let message = format!("{} more findings in `{path}`", total - warnings.len());
-        warnings.push(warning("more-findings", message));
+        warnings.push(warning(Code::MoreFindings, message));
     }
     warnings
 }

@@ -1,5 +1,6 @@
 //! `landfall emit`: mirrors and tables of all blocks as one file of Rust or C.
 
+use landfall_layout::diagnostic::Code;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -92,7 +93,7 @@ fn check(out: &Path, text: &str, streams: &Streams) -> Outcome {
     };
     let error = Error::new(out.display().to_string(), stale)
         .with_help("run the same command without `--check`");
-    let found = Diagnostic { code: "stale-output", ..error.into() };
+    let found = Diagnostic { code: Code::StaleOutput, ..error.into() };
     streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
     Outcome::Findings
 }

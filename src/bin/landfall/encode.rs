@@ -1,5 +1,6 @@
 //! `landfall encode`: values in JSON to the bytes of a block.
 
+use landfall_layout::diagnostic::Code;
 use std::ops::Range;
 use std::path::Path;
 
@@ -89,7 +90,7 @@ fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic,
         let help = "it takes an object of the block's members; `{}` makes all of them zero";
         let found = shader::finding(
             &path,
-            "empty-input",
+            Code::EmptyInput,
             format!("`{path}` is empty"),
             Some(help.to_string()),
         );

@@ -1,5 +1,6 @@
 //! `landfall explain`: the way to a path, or the owner of a byte, in every block that has it.
 
+use landfall_layout::diagnostic::Code;
 use landfall_layout::format::explain::{Answer, json, text};
 use landfall_layout::layout::byte::{ByteOwner, owner_of_byte};
 use landfall_layout::layout::explain::explain;
@@ -67,7 +68,7 @@ fn of_byte<'a>(
     let Ok(byte) = args::byte(text) else {
         let help = "a byte is written `@172` or `@0xac`".to_string();
         let message = format!("`@{text}` is no byte");
-        return Err(finding(&shader.path, "malformed-path", message, Some(help)));
+        return Err(finding(&shader.path, Code::MalformedPath, message, Some(help)));
     };
     let owners: Vec<(&BlockLayout, ByteOwner)> =
         blocks.iter().map(|block| (*block, owner_of_byte(block, byte))).collect();
@@ -97,7 +98,7 @@ fn outside(shader: &ShaderLayout, byte: u64, owners: &[(&BlockLayout, ByteOwner)
         }
     }
     let message = format!("byte {byte} lies in no block");
-    Diagnostic { notes, ..finding(&shader.path, "byte-out-of-range", message, help) }
+    Diagnostic { notes, ..finding(&shader.path, Code::ByteOutOfRange, message, help) }
 }
 
 fn of_path<'a>(

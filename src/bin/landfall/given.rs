@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
+use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
@@ -36,7 +37,7 @@ pub fn begin(command: &Command, streams: &Streams) {
             false => "is not there, and nothing is included from it",
         };
         let error = Error::new(folder.display().to_string(), what);
-        warn("no-include-dir", error.with_help("`-I DIR` names a directory"), streams);
+        warn(Code::NoIncludeDir, error.with_help("`-I DIR` names a directory"), streams);
     }
 }
 
@@ -74,11 +75,11 @@ pub fn finish(streams: &Streams) {
             Error::new(format!("-O {name}"), "changes nothing: no shader has that constant");
         let help = "constants are those of `layout(constant_id = N)` in GLSL and `override` in \
                     WGSL, by name or number";
-        warn("unknown-override", error.with_help(help), streams);
+        warn(Code::UnknownOverride, error.with_help(help), streams);
     }
 }
 
-fn warn(code: &'static str, error: Error, streams: &Streams) {
+fn warn(code: Code, error: Error, streams: &Streams) {
     let found = Diagnostic { code, severity: Severity::Warning, ..error.into() };
     streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
 }

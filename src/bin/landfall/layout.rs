@@ -2,6 +2,7 @@
 
 mod writer;
 
+use landfall_layout::diagnostic::Code;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
@@ -17,8 +18,13 @@ use crate::{given, read, work};
 use writer::Writer;
 
 /// Errors after which the rest of a shader cannot be told apart: none of its blocks is printed.
-const SYNTAX: &[&str] =
-    &["syntax", "unexpected-token", "unclosed-brace", "unclosed-comment", "unmatched-directive"];
+const SYNTAX: &[Code] = &[
+    Code::Syntax,
+    Code::UnexpectedToken,
+    Code::UnclosedBrace,
+    Code::UnclosedComment,
+    Code::UnmatchedDirective,
+];
 
 pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let format = args.format.form();
@@ -85,7 +91,7 @@ impl Job<'_> {
         let input = match input {
             Ok(input) => input,
             Err(error) => {
-                let found = Diagnostic { code: "no-input", ..error.into() };
+                let found = Diagnostic { code: Code::NoInput, ..error.into() };
                 return self.failed(PathBuf::new(), found);
             }
         };
@@ -158,5 +164,5 @@ impl Job<'_> {
 pub fn panicked(path: &Path) -> Diagnostic {
     let error = Error::new(path.display().to_string(), "made landfall panic: this is its fault")
         .with_help("please report it with the file; the other files are not affected");
-    Diagnostic { code: "internal-error", ..error.into() }
+    Diagnostic { code: Code::InternalError, ..error.into() }
 }

@@ -1,5 +1,6 @@
 //! `landfall lock`: one lock a shader, written only where it changes.
 
+use landfall_layout::diagnostic::Code;
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -101,12 +102,12 @@ impl Job<'_> {
         };
         let input = match input {
             Ok(input) => input,
-            Err(error) => return failed(None, found(error, "no-input")),
+            Err(error) => return failed(None, found(error, Code::NoInput)),
         };
         let target =
             match self.config.lock_of(&self.locks, &read::named(&input.path, &self.args.read)) {
                 Ok(target) => target,
-                Err(error) => return failed(None, found(error, "no-input")),
+                Err(error) => return failed(None, found(error, Code::NoInput)),
             };
         let source = match read::source(&input.path, &self.args.read) {
             Ok(source) => source,
@@ -192,14 +193,14 @@ impl Tally {
             self.changed += 1;
             let error = Error::new(target.display().to_string(), stale)
                 .with_help("run the same command without `--check`, and commit what it writes");
-            say(Diagnostic { code: "stale-lock", ..error.into() });
+            say(Diagnostic { code: Code::StaleLock, ..error.into() });
         } else {
             match job.writer.write(&target, &text) {
                 Ok(Written::Changed) => self.changed += 1,
                 Ok(Written::Unchanged) => self.unchanged += 1,
                 Err(error) => {
                     self.failed = true;
-                    say(Diagnostic { code: "output", ..error.into() });
+                    say(Diagnostic { code: Code::Output, ..error.into() });
                 }
             }
         }
@@ -229,14 +230,14 @@ impl Tally {
                     .with_help("remove it with `landfall lock --prune`");
                 let severity = if args.prune { Severity::Error } else { Severity::Warning };
                 self.pruned += usize::from(args.prune);
-                say(Diagnostic { code: "lock-orphan", severity, ..error.into() });
+                say(Diagnostic { code: Code::LockOrphan, severity, ..error.into() });
                 continue;
             }
             match job.writer.remove(&path) {
                 Ok(()) => self.pruned += 1,
                 Err(error) => {
                     self.failed = true;
-                    say(Diagnostic { code: "output", ..error.into() });
+                    say(Diagnostic { code: Code::Output, ..error.into() });
                 }
             }
         }

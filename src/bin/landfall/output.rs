@@ -1,5 +1,6 @@
 //! Where text goes: products to stdout, findings and progress to stderr, files whole or not at all.
 
+use landfall_layout::diagnostic::Code;
 use std::cell::RefCell;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::process::ExitCode;
@@ -57,8 +58,8 @@ impl From<Error> for Failure {
 /// that are wrong.
 pub fn asked_wrongly(error: Error) -> Diagnostic {
     let code = match error.kind {
-        ErrorKind::Unreadable => "unreadable-file",
-        ErrorKind::Other => "bad-request",
+        ErrorKind::Unreadable => Code::UnreadableFile,
+        ErrorKind::Other => Code::BadRequest,
     };
     Diagnostic { code, ..error.into() }
 }
@@ -224,7 +225,7 @@ impl Streams {
 
     /// Writes why the whole run stopped.
     pub fn failure(&self, error: Error) {
-        let found = Diagnostic { code: "output", ..error.into() };
+        let found = Diagnostic { code: Code::Output, ..error.into() };
         self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
     }
 

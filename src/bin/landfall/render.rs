@@ -4,6 +4,7 @@ pub mod asked;
 mod compare;
 mod plan;
 
+use landfall_layout::diagnostic::Code;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -388,7 +389,7 @@ fn told(args: &RenderArgs, report: &RenderReport, streams: &Streams) -> Result<O
 }
 
 fn warning(note: &str) -> Diagnostic {
-    let mut found = Diagnostic::warning("bind", Default::default(), note);
+    let mut found = Diagnostic::warning(Code::Bind, Default::default(), note);
     found.labels.clear();
     found
 }

@@ -1,5 +1,6 @@
 //! `landfall rule`: lists the lints and hazards, or explains one.
 
+use landfall_layout::diagnostic::Code;
 use std::fmt::Write as _;
 
 use landfall_ir::analysis::hazard::Hazard;
@@ -100,7 +101,7 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
 fn unknown(code: &str) -> Diagnostic {
     let near = nearest(code, Rule::all().iter().map(|rule| rule.code()));
     Diagnostic {
-        code: "unknown-lint",
+        code: Code::UnknownLint,
         severity: Severity::Error,
         message: format!("there is no lint and no hazard `{code}`"),
         path: None,

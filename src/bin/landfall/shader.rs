@@ -1,5 +1,6 @@
 //! The one shader that a command is about: read, laid out, and the block in it that is meant.
 
+use landfall_layout::diagnostic::Code;
 use std::path::Path;
 
 use landfall_layout::source::Files;
@@ -51,20 +52,20 @@ pub fn block<'a>(
         ([] | [_], _) => {
             let message = format!("no block of `{}` has bytes", shader.path);
             let help = "loose uniforms are set one by one; `--gather` lays them out as a block";
-            Err(finding(&shader.path, "no-bytes", message, Some(help.to_string())))
+            Err(finding(&shader.path, Code::NoBytes, message, Some(help.to_string())))
         }
         (blocks, Some(name)) => {
             let message =
                 format!("{} blocks of `{}` are named `{name}`", blocks.len(), shader.path);
             let instances = blocks.iter().filter_map(|block| block.instance.as_deref());
             let help = format!("name one by its instance: {}", names(instances));
-            Err(finding(&shader.path, "ambiguous-block", message, Some(help)))
+            Err(finding(&shader.path, Code::AmbiguousBlock, message, Some(help)))
         }
         (blocks, None) => {
             let message = format!("`{}` has {} blocks", shader.path, blocks.len());
             let all = names(blocks.iter().map(|block| own_name(block)));
             let help = format!("say which with `--block`: {all}");
-            Err(finding(&shader.path, "which-block", message, Some(help)))
+            Err(finding(&shader.path, Code::WhichBlock, message, Some(help)))
         }
     }
 }
@@ -75,8 +76,8 @@ pub fn no_block(shader: &ShaderLayout, name: Option<&str>) -> Diagnostic {
     let help = (!shader.blocks.is_empty()).then(|| format!("there is {all}"));
     let path = &shader.path;
     let (code, message) = match name {
-        Some(name) => ("unknown-block", format!("no block named `{name}` in `{path}`")),
-        None => ("no-blocks", format!("no blocks and no loose uniforms in `{path}`")),
+        Some(name) => (Code::UnknownBlock, format!("no block named `{name}` in `{path}`")),
+        None => (Code::NoBlocks, format!("no blocks and no loose uniforms in `{path}`")),
     };
     finding(path, code, message, help)
 }
@@ -99,12 +100,7 @@ fn names<'n>(names: impl Iterator<Item = &'n str>) -> String {
 }
 
 /// An error about what was asked of a file.
-pub fn finding(
-    path: &str,
-    code: &'static str,
-    message: String,
-    help: Option<String>,
-) -> Diagnostic {
+pub fn finding(path: &str, code: Code, message: String, help: Option<String>) -> Diagnostic {
     Diagnostic {
         code,
         severity: Severity::Error,

@@ -1,5 +1,6 @@
 //! `landfall stress`: where a function breaks, how wrong it gets, and why.
 
+use landfall_layout::diagnostic::Code;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
@@ -96,7 +97,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Some(_) => found,
             None => found.with_help("`landfall devices` lists what is here"),
         };
-        let found = Diagnostic { code: "cannot-run", ..found.into() };
+        let found = Diagnostic { code: Code::CannotRun, ..found.into() };
         streams.report(&style.text(&[found], &Files::default()));
     }
     if is_stopped() {

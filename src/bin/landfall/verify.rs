@@ -13,6 +13,7 @@ use landfall_exec::harness::verify::report::{Attendance, Outcome as Seen, Shader
 use landfall_exec::harness::verify::{
     ReadBy, Subject, VerifyOptions, hold_spirv, run_compiled, verify,
 };
+use landfall_layout::diagnostic::Code;
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
 use landfall_layout::source::Files;
@@ -237,8 +238,8 @@ impl Run<'_> {
             n => format!("{n} shaders"),
         };
         let (message, code) = match &self.args.block {
-            Some(name) => (format!("no block named `{name}` in {shaders}"), "unknown-block"),
-            None => (format!("no blocks to verify in {shaders}"), "no-blocks"),
+            Some(name) => (format!("no block named `{name}` in {shaders}"), Code::UnknownBlock),
+            None => (format!("no blocks to verify in {shaders}"), Code::NoBlocks),
         };
         let severity = if self.args.block.is_some() { Severity::Error } else { Severity::Warning };
         let found = Diagnostic { severity, ..Diagnostic::about(code, message, None, "") };

@@ -31,7 +31,11 @@ fn a_misspelt_layout_qualifier_is_an_error() {
         assert!(!is_taken(&text, Client::OpenGl), "{wrong}");
         let shader = read(&text, None);
         let found = &shader.diagnostics[0];
-        assert_eq!((found.code, found.severity), ("layout-qualifier", Severity::Error), "{wrong}");
+        assert_eq!(
+            (found.code.name(), found.severity),
+            ("layout-qualifier", Severity::Error),
+            "{wrong}"
+        );
         assert!(found.help.as_deref().is_some_and(|help| help.contains(meant)), "{found:?}");
     }
     // An extension's that is not known here.

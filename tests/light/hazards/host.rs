@@ -27,12 +27,12 @@ fn misfit(case: &Value) -> Option<String> {
         let [found] = list(expect, "found") else { return Some("one is found".to_string()) };
         let at = error.at().unwrap_or_default();
         let has_place = reading.place(&at).is_some() && error.help().is_some();
-        let fits = found[0] == error.code() && found[1] == at && has_place;
+        let fits = found[0] == error.code().name() && found[1] == at && has_place;
         return (!fits).then(|| format!("{} at `{at}`: {error}", error.code()));
     }
     let errors = reading.diagnostics.iter().filter(|found| found.severity == Severity::Error);
     let found: Vec<(&str, usize, &String)> = errors
-        .map(|found| (found.code, found.labels[0].span.start as usize, &found.message))
+        .map(|found| (found.code.name(), found.labels[0].span.start as usize, &found.message))
         .collect();
     // A key that stands twice has a place and no path of its own: it is counted.
     let place = |at: &Value| match (at.as_str(), at.as_array().map(Vec::as_slice)) {
@@ -85,7 +85,8 @@ fn the_host_takes_the_twin_of_each_scene_it_refuses() {
         assert_eq!(of("refused").count() > 0, of("taken").count() > 0, "{id} has no twins");
         for case in of("taken") {
             let reading = reading(&written(case, &case["scene"]));
-            let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code).collect();
+            let codes: Vec<&str> =
+                reading.diagnostics.iter().map(|found| found.code.name()).collect();
             let warned: Vec<&str> =
                 case["warned"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
             assert_eq!(codes, warned, "{id}: {:?}", reading.diagnostics);

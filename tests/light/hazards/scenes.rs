@@ -73,7 +73,7 @@ struct Made {
 impl Made {
     fn new(case: &Value, over: &Value, normals: VertexNormals) -> Made {
         let reading = reading(&written(case, over));
-        let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code).collect();
+        let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code.name()).collect();
         let warned: Vec<&str> =
             case["warned"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
         assert_eq!(codes, warned, "{}: {:?}", text(case, "why"), reading.diagnostics);

@@ -137,7 +137,7 @@ fn what_is_no_scene_at_all_is_one_clear_error() {
     ] {
         let reading = read_alone(text);
         sound(&reading);
-        let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code).collect();
+        let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code.name()).collect();
         assert_eq!(codes, [code], "{}", &text[..text.len().min(20)]);
     }
 }

@@ -146,7 +146,7 @@ fn faces_without_normals_are_flat_and_it_is_said() {
     let scene = reading.scene.expect("it can be drawn");
     assert_eq!(scene.objects[0].mesh, read.mesh);
     let [found] = &reading.diagnostics[..] else { panic!("{:#?}", reading.diagnostics) };
-    assert_eq!(found.code, "mesh-without-normals");
+    assert_eq!(found.code.name(), "mesh-without-normals");
     assert_eq!(
         found.message,
         "`corner.obj` has no normals for 3 of its 3 triangles: they are drawn flat"
@@ -194,7 +194,7 @@ fn a_file_read_for_two_objects_is_read_and_told_of_once() {
     let text =
         of_mesh("bad.obj").replace("[{\"mesh\"", "[{\"mesh\": {\"obj\": \"bad.obj\"}}, {\"mesh\"");
     let reading = read_with(&text, &[("bad.obj", b"v 1 2\n")]);
-    let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code).collect();
+    let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code.name()).collect();
     assert_eq!(codes, ["wrong-mesh"]);
     assert_eq!(reading.files.iter().count(), 2);
 }

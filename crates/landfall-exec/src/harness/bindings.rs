@@ -3,6 +3,7 @@
 //!
 //! Feeds [`call`](super::call) and [`coverage`](super::coverage).
 
+use landfall_layout::diagnostic::Code;
 use serde_json::{Map, Value};
 
 use super::probe::plan::TAIL;
@@ -67,10 +68,10 @@ fn unknown(key: &str, blocks: &[ModuleBlock]) -> Box<Diagnostic> {
             (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
         }
     };
-    Box::new(finding("unknown-block", format!("no block named `{key}`"), help))
+    Box::new(finding(Code::UnknownBlock, format!("no block named `{key}`"), help))
 }
 
-fn finding(code: &'static str, message: String, help: Option<String>) -> Diagnostic {
+fn finding(code: Code, message: String, help: Option<String>) -> Diagnostic {
     // What the error advises stands apart.
     let (message, advice) = match message.split_once("\nhelp: ") {
         Some((message, advice)) => (message.to_string(), Some(advice.to_string())),
@@ -158,7 +159,7 @@ pub(super) fn textures_are_there(
         (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
     });
     let message = format!("the shader has no texture `{name}`");
-    Err(Box::new(Diagnostic::about("unknown-texture", message, help, "--texture")))
+    Err(Box::new(Diagnostic::about(Code::UnknownTexture, message, help, "--texture")))
 }
 
 /// A texture of one texel, white if no colour is given.

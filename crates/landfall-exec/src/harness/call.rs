@@ -17,6 +17,7 @@ mod reads;
 pub mod report;
 
 use crate::backend::BackendKind;
+use landfall_layout::diagnostic::Code;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -258,7 +259,7 @@ impl Job<'_> {
         {
             let all: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
             return Err(Box::new(Diagnostic::about(
-                "unknown-input",
+                Code::UnknownInput,
                 format!("the shader reads no input `{name}`"),
                 (!all.is_empty()).then(|| format!("it reads {}", all.join(", "))),
                 "--input",
@@ -308,7 +309,9 @@ impl Job<'_> {
 
     fn misfit(&self, misfit: arguments::Misfit) -> Box<Diagnostic> {
         let about = match misfit.code {
-            "unknown-function" | "ambiguous-function" | "cannot-call" => self.source.path.as_str(),
+            Code::UnknownFunction | Code::AmbiguousFunction | Code::CannotCall => {
+                self.source.path.as_str()
+            }
             _ => "--args",
         };
         Box::new(Diagnostic::about(misfit.code, misfit.message, misfit.help, about))
@@ -334,7 +337,7 @@ fn white<'h>(
 
 fn failed(reader: BackendKind, failure: &Failure) -> Box<Diagnostic> {
     let message = format!("{reader}: {}", failure.message);
-    let mut found = Diagnostic::about("cannot-run", message, None, "");
+    let mut found = Diagnostic::about(Code::CannotRun, message, None, "");
     found.path = None;
     found.notes = failure.log.lines().take(6).map(str::to_string).collect();
     Box::new(found)

@@ -11,6 +11,7 @@ mod module;
 mod permitted;
 mod text;
 
+use landfall_layout::diagnostic::Code;
 use std::sync::Arc;
 
 use landfall_ir::Module;
@@ -95,7 +96,7 @@ impl FragmentShader {
         if let Some(image) = whole.handles().iter().find(|h| h.kind == HandleKind::Image) {
             let message = format!("`{}` is a storage image, and no scene has one", image.path);
             return Err(vec![Diagnostic::error(
-                "cannot-run",
+                Code::CannotRun,
                 landfall_layout::Span::default(),
                 message,
             )]);
@@ -105,7 +106,7 @@ impl FragmentShader {
             let message = "the shader takes differences between neighbouring pixels (`dFdx`, \
                            `fwidth`), and fragments of a list have no neighbours";
             return Err(vec![Diagnostic::error(
-                "cannot-run",
+                Code::CannotRun,
                 landfall_layout::Span::default(),
                 message,
             )]);

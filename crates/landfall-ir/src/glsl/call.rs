@@ -1,5 +1,6 @@
 //! Calls: of the shader's functions, with copies in and out, and of the language's own.
 
+use landfall_layout::diagnostic::Code;
 use naga::{Expression, Handle, Statement};
 
 use super::ast::*;
@@ -77,7 +78,7 @@ impl<'a> Body<'_, 'a> {
             }
         }
         let mut why = refuse(name.span, format!("there is no function `{}`", name.text));
-        why.code = "unknown-name";
+        why.code = Code::UnknownName;
         let known = self.cx.function_names.keys().copied();
         Err(match landfall_layout::text::edit_distance::nearest(name.text, known) {
             Some(near) => why.help(format!("did you mean `{near}`?")),

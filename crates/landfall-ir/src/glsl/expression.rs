@@ -1,5 +1,6 @@
 //! Expressions: names, members, indices, assignments, choices.
 
+use landfall_layout::diagnostic::Code;
 use naga::Expression;
 
 use super::ast::*;
@@ -172,7 +173,7 @@ impl<'a> Body<'_, 'a> {
             return self.global(known, name);
         }
         let mut why = refuse(self.span, format!("there is no variable `{name}`"));
-        why.code = "unknown-name";
+        why.code = Code::UnknownName;
         let scopes = self.scopes.iter().flat_map(|scope| scope.keys().copied());
         let known = scopes.chain(self.cx.global_names.keys().copied());
         if let Some(near) = landfall_layout::text::edit_distance::nearest(name, known) {

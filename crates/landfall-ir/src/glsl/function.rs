@@ -1,5 +1,6 @@
 //! Functions: their signatures, and their bodies when somebody asks for them.
 
+use landfall_layout::diagnostic::Code;
 use std::rc::Rc;
 
 use naga::{Expression, FunctionArgument, FunctionResult, Handle, Statement, TypeInner};
@@ -84,7 +85,7 @@ impl<'a> Lowerer<'a> {
             if function.body.is_some() {
                 if before.declaration.body.is_some() {
                     let message = format!("function `{}` is defined twice", name.text);
-                    let diagnostic = Diagnostic::error("duplicate-name", name.span, message);
+                    let diagnostic = Diagnostic::error(Code::DuplicateName, name.span, message);
                     let before = before.declaration.name.span;
                     return Err(Box::new(diagnostic.with_label(before, "defined before here")));
                 }
@@ -167,12 +168,12 @@ impl<'a> Lowerer<'a> {
             State::Failed(why) => return Err(why.clone()),
             State::Running => {
                 let message = format!("`{name}` calls itself");
-                let diagnostic = Diagnostic::error("recursion", span, message);
+                let diagnostic = Diagnostic::error(Code::Recursion, span, message);
                 return Err(Box::new(diagnostic.with_note("GLSL has no recursion (4.60 §6.1)")));
             }
             State::Untouched if entry.declaration.body.is_none() => {
                 let message = format!("`{name}` is declared, but never defined");
-                return Err(Box::new(Diagnostic::error("undefined-function", span, message)));
+                return Err(Box::new(Diagnostic::error(Code::UndefinedFunction, span, message)));
             }
             State::Untouched => entry.state = State::Running,
         }

@@ -1,5 +1,6 @@
 //! Why bytes could not be set, read or made by name.
 
+use crate::diagnostic::Code;
 use std::fmt;
 
 /// Why a [`Buffer`](super::Buffer) refused; nothing was written.
@@ -70,27 +71,27 @@ impl BufferError {
     }
 
     /// The kebab-case name of its kind.
-    pub fn code(&self) -> &'static str {
+    pub fn code(&self) -> Code {
         match self {
-            BufferError::NoBytes { .. } => "no-bytes",
-            BufferError::Unsized { .. } => "unsized-block",
-            BufferError::NeedsTail { .. } => "needs-tail",
-            BufferError::NoTail { .. } => "no-tail",
-            BufferError::TooLarge { .. } => "too-large",
-            BufferError::Malformed { .. } => "malformed-path",
-            BufferError::UnknownPath { .. } => "unknown-member",
-            BufferError::NotALeaf { .. } => "not-a-leaf",
-            BufferError::NotAnArray { .. } => "not-an-array",
-            BufferError::MissingIndex { .. } => "missing-index",
+            BufferError::NoBytes { .. } => Code::NoBytes,
+            BufferError::Unsized { .. } => Code::UnsizedBlock,
+            BufferError::NeedsTail { .. } => Code::NeedsTail,
+            BufferError::NoTail { .. } => Code::NoTail,
+            BufferError::TooLarge { .. } => Code::TooLarge,
+            BufferError::Malformed { .. } => Code::MalformedPath,
+            BufferError::UnknownPath { .. } => Code::UnknownMember,
+            BufferError::NotALeaf { .. } => Code::NotALeaf,
+            BufferError::NotAnArray { .. } => Code::NotAnArray,
+            BufferError::MissingIndex { .. } => Code::MissingIndex,
             BufferError::OutOfRange { .. } | BufferError::TailTooShort { .. } => {
-                "index-out-of-range"
+                Code::IndexOutOfRange
             }
-            BufferError::WrongType { .. } => "wrong-type",
-            BufferError::WrongSize { .. } => "wrong-size",
-            BufferError::OutOfBounds { .. } => "out-of-bounds",
-            BufferError::WrongLength { .. } => "wrong-length",
-            BufferError::OtherBlock { .. } => "other-block",
-            BufferError::WrongIndices { .. } => "wrong-indices",
+            BufferError::WrongType { .. } => Code::WrongType,
+            BufferError::WrongSize { .. } => Code::WrongSize,
+            BufferError::OutOfBounds { .. } => Code::OutOfBounds,
+            BufferError::WrongLength { .. } => Code::WrongLength,
+            BufferError::OtherBlock { .. } => Code::OtherBlock,
+            BufferError::WrongIndices { .. } => Code::WrongIndices,
         }
     }
 }

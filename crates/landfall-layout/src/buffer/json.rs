@@ -1,5 +1,6 @@
 //! Reading JSON that says what a block is to hold, and what can be wrong with it.
 
+use crate::diagnostic::Code;
 use std::fmt;
 use std::ops::Range;
 
@@ -33,15 +34,15 @@ pub enum EncodeError {
 
 impl EncodeError {
     /// The kebab-case name of its kind.
-    pub fn code(&self) -> &'static str {
+    pub fn code(&self) -> Code {
         match self {
             EncodeError::Block(error) | EncodeError::Key { error, .. } => error.code(),
-            EncodeError::Syntax { .. } => "json-syntax",
-            EncodeError::Kind { .. } => "wrong-value",
-            EncodeError::Range { .. } => "value-out-of-range",
-            EncodeError::Length { .. } => "wrong-count",
-            EncodeError::Twice { .. } => "given-twice",
-            EncodeError::Missing { .. } => "missing-member",
+            EncodeError::Syntax { .. } => Code::JsonSyntax,
+            EncodeError::Kind { .. } => Code::WrongValue,
+            EncodeError::Range { .. } => Code::ValueOutOfRange,
+            EncodeError::Length { .. } => Code::WrongCount,
+            EncodeError::Twice { .. } => Code::GivenTwice,
+            EncodeError::Missing { .. } => Code::MissingMember,
         }
     }
 }

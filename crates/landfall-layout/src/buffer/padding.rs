@@ -1,5 +1,6 @@
 //! What looks wrong in the bytes of a block: padding that is not zero, NaN, infinity, odd bools.
 
+use crate::diagnostic::Code;
 use std::fmt;
 
 use super::decode::Decoded;
@@ -28,12 +29,12 @@ pub enum Finding {
 
 impl Finding {
     /// The kebab-case name of its kind.
-    pub fn code(&self) -> &'static str {
+    pub fn code(&self) -> Code {
         match self {
-            Finding::Padding { .. } => "nonzero-padding",
-            Finding::Nan { .. } => "not-a-number",
-            Finding::Infinite { .. } => "infinite",
-            Finding::OddBool { .. } => "odd-bool",
+            Finding::Padding { .. } => Code::NonzeroPadding,
+            Finding::Nan { .. } => Code::NotANumber,
+            Finding::Infinite { .. } => Code::Infinite,
+            Finding::OddBool { .. } => Code::OddBool,
         }
     }
 

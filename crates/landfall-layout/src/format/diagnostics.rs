@@ -38,7 +38,7 @@ fn drawing(diagnostic: &Diagnostic) -> Drawing<'_> {
         .filter(|path| diagnostic.labels.is_empty() && !diagnostic.message.contains(path.as_str()));
     Drawing {
         severity: diagnostic.severity,
-        code: diagnostic.code,
+        code: diagnostic.code.name(),
         message: &diagnostic.message,
         origin: path.map(|path| Location { path: path.clone(), line: 0, column: 0 }),
         labels: &diagnostic.labels,
@@ -98,7 +98,7 @@ impl<'a> Object<'a> {
         let shader = files.get(0).map(|file| file.path.clone());
         Object {
             severity: diagnostic.severity.name(),
-            code: diagnostic.code,
+            code: diagnostic.code.name(),
             message: &diagnostic.message,
             path: main.map(|l| l.path.clone()).or_else(|| diagnostic.path.clone()).or(shader),
             line: main.map(|l| l.line),
@@ -128,6 +128,7 @@ fn label_object<'a>(label: &'a Label, places: &mut Places<'_>) -> LabelObject<'a
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnostic::Code;
 
     fn files(texts: &[(&str, &str)]) -> Files {
         let mut files = Files::default();
@@ -151,7 +152,7 @@ mod tests {
     fn a_finding_shows_the_place_the_note_and_the_help() {
         let files = files(&[("a.frag", "#version 330\r\nuniform B {\r\n\tvec33 x;\r\n};\r\n")]);
         let found =
-            Diagnostic::error("unknown-type", at(&files, 0, "vec33"), "unknown type `vec33`")
+            Diagnostic::error(Code::UnknownType, at(&files, 0, "vec33"), "unknown type `vec33`")
                 .with_text("not declared")
                 .with_note("types must be declared before use")
                 .with_help("write `vec3`");
@@ -175,9 +176,10 @@ error[unknown-type]: unknown type `vec33`
     fn labels_in_other_files_and_lines_far_away_are_shown() {
         let far = format!("struct A {{ float x; }};\n{}struct A {{ int y; }};\n", "\n".repeat(500));
         let files = files(&[("a.frag", &far), ("b.glsl", "struct A { vec4 z; };\n")]);
-        let mut found = Diagnostic::error("duplicate", at(&files, 0, "A { int"), "`A` twice")
-            .with_label(at(&files, 0, "A { float"), "first here")
-            .with_label(at(&files, 1, "A"), "and here");
+        let mut found =
+            Diagnostic::error(Code::DuplicateName, at(&files, 0, "A { int"), "`A` twice")
+                .with_label(at(&files, 0, "A { float"), "first here")
+                .with_label(at(&files, 1, "A"), "and here");
         found.labels[0].span.end = found.labels[0].span.start + 1;
         found.labels[1].span.end = found.labels[1].span.start + 1;
         let text = shown(&found, &files);
@@ -193,7 +195,7 @@ error[unknown-type]: unknown type `vec33`
         line.push_str("vec33 bad; ");
         line.push_str(&"float y; ".repeat(100_000));
         let files = files(&[("a.frag", &line)]);
-        let found = Diagnostic::error("unknown-type", at(&files, 0, "vec33"), "unknown type");
+        let found = Diagnostic::error(Code::UnknownType, at(&files, 0, "vec33"), "unknown type");
         let text = shown(&found, &files);
         assert!(text.contains("vec33 bad;"), "{text}");
         assert!(text.contains(" --> a.frag:1:1000001\n"), "{text}");
@@ -206,7 +208,8 @@ error[unknown-type]: unknown type `vec33`
             let files = files(&[("a.frag", text)]);
             let end = text.len() as u32;
             for (start, end) in [(end, end), (0, end), (end, end + 5)] {
-                let found = Diagnostic::error("syntax", Span { file: 0, start, end }, "unfinished");
+                let found =
+                    Diagnostic::error(Code::Syntax, Span { file: 0, start, end }, "unfinished");
                 assert!(
                     shown(&found, &files).starts_with("error[syntax]: unfinished\n --> a.frag:")
                 );
@@ -218,8 +221,8 @@ error[unknown-type]: unknown type `vec33`
     fn spans_over_lines_are_marked_on_their_first() {
         let files = files(&[("a.frag", "uniform B {\n  float a;\n} b;\n")]);
         let span = Span { file: 0, start: 8, end: 28 };
-        let text = shown(&Diagnostic::warning("block", span, "this block"), &files);
-        assert!(text.starts_with("warning[block]: this block\n --> a.frag:1:9\n"), "{text}");
+        let text = shown(&Diagnostic::warning(Code::NoBlocks, span, "this block"), &files);
+        assert!(text.starts_with("warning[no-blocks]: this block\n --> a.frag:1:9\n"), "{text}");
         assert!(text.contains("1 | uniform B {\n  |         ^^^"), "{text}");
     }
 
@@ -227,9 +230,9 @@ error[unknown-type]: unknown type `vec33`
     fn a_hundred_findings_are_shown_and_the_rest_counted() {
         let files = files(&[("a.frag", "float x;\n")]);
         let found: Vec<Diagnostic> =
-            (0..140).map(|_| Diagnostic::error("e", Span::default(), "again")).collect();
+            (0..140).map(|_| Diagnostic::error(Code::Syntax, Span::default(), "again")).collect();
         let text = human(&found, &files, Paint::Plain);
-        assert_eq!(text.matches("error[e]").count(), 100);
+        assert_eq!(text.matches("error[syntax]").count(), 100);
         assert!(text.ends_with("… and 40 more in a.frag\n\n"));
         assert_eq!(json(&found, &files).lines().count(), 140);
     }

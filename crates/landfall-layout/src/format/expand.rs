@@ -1,5 +1,6 @@
 //! Every element of every array by its own path, for `--expand`.
 
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::layout::measure::elements;
 use crate::layout::{BlockLayout, MemberLayout};
@@ -38,7 +39,7 @@ pub(super) fn refused(shader: &ShaderLayout) -> Vec<Diagnostic> {
             block.name,
             count(block)
         );
-        Diagnostic::error("too-many-elements", block.span, message)
+        Diagnostic::error(Code::TooManyElements, block.span, message)
             .with_note("the block is written as patterns: offset + index × stride")
     })
     .collect()

@@ -2,6 +2,7 @@
 //!
 //! Reads [`shape`](crate::shape) before it is laid out: what is wrong here makes no layout.
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
@@ -60,7 +61,7 @@ fn check_align(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic
     };
     let fits = written.value.checked_next_power_of_two().map_or(own, |power| power.max(own));
     diagnostics.push(
-        Diagnostic::error("invalid-align", written.span, message)
+        Diagnostic::error(Code::InvalidAlign, written.span, message)
             .with_label(member.span, "of this member")
             .with_help(format!("write `@align({fits})`")),
     );
@@ -71,13 +72,13 @@ fn check_size(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic>
     let Some(written) = member.size else { return };
     let diagnostic = match extent.size {
         None => Diagnostic::error(
-            "invalid-size",
+            Code::InvalidSize,
             written.span,
             format!("`{}` is runtime-sized, `@size` cannot say its size", member.name),
         )
         .with_help("remove `@size`"),
         Some(own) if written.value < own => Diagnostic::error(
-            "invalid-size",
+            Code::InvalidSize,
             written.span,
             format!(
                 "`@size({})` is less than {own}, the size of `{}`",

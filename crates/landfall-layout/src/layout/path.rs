@@ -2,6 +2,7 @@
 //!
 //! Feeds [`explain`](super::explain).
 
+use crate::diagnostic::Code;
 use std::fmt;
 use std::sync::Arc;
 
@@ -87,15 +88,15 @@ pub enum PathErrorKind {
 
 impl PathErrorKind {
     /// Kebab-case name of the fault.
-    pub fn code(&self) -> &'static str {
+    pub fn code(&self) -> Code {
         match self {
-            PathErrorKind::Syntax { .. } => "malformed-path",
-            PathErrorKind::UnknownMember { .. } => "unknown-member",
-            PathErrorKind::Opaque { .. } => "opaque-member",
-            PathErrorKind::NotAStructure { .. } => "not-a-structure",
-            PathErrorKind::NotAnArray { .. } => "not-an-array",
-            PathErrorKind::OutOfRange { .. } => "index-out-of-range",
-            PathErrorKind::Loose { .. } => "loose-uniform",
+            PathErrorKind::Syntax { .. } => Code::MalformedPath,
+            PathErrorKind::UnknownMember { .. } => Code::UnknownMember,
+            PathErrorKind::Opaque { .. } => Code::OpaqueMember,
+            PathErrorKind::NotAStructure { .. } => Code::NotAStructure,
+            PathErrorKind::NotAnArray { .. } => Code::NotAnArray,
+            PathErrorKind::OutOfRange { .. } => Code::IndexOutOfRange,
+            PathErrorKind::Loose { .. } => Code::LooseUniform,
         }
     }
 

@@ -1,12 +1,13 @@
 //! Blocks of a text for OpenGL and Vulkan that are laid out otherwise for the other API.
 
+use crate::diagnostic::Code;
 use crate::layout::BlockLayout;
 use crate::shader::{Options, ShaderLayout, placed};
 use crate::source::{ReadOptions, Source, Target};
 use crate::{Diagnostic, Span};
 
 /// The code of a block whose layout depends on the target; a lint goes by that name.
-pub const CODE: &str = "target-changes-layout";
+pub const CODE: &str = Code::TargetChangesLayout.name();
 
 /// The name of an API in prose.
 pub fn name(target: Target) -> &'static str {
@@ -109,7 +110,7 @@ fn change(block: &BlockLayout, copy: &BlockLayout) -> Option<(String, Option<Spa
 fn diagnostic(block: &BlockLayout, text: &str, span: Option<Span>, target: Target) -> Diagnostic {
     let (this, that) = (name(target), name(other(target)));
     let message = format!("block `{}` is laid out otherwise for {that}: {text}", block.name);
-    Diagnostic::warning(CODE, span.unwrap_or(block.span), message)
+    Diagnostic::warning(Code::TargetChangesLayout, span.unwrap_or(block.span), message)
         .with_note(format!("read as {this}'s: the text asks for `VULKAN` and would do for both"))
         .with_help(format!(
             "say which with `--target {}` or `--target {}`",

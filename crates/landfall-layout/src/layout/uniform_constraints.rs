@@ -4,6 +4,7 @@
 //! `uniform_buffer_standard_layout` these constraints are gone. Without it the
 //! shader is refused, by naga 30 always.
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
@@ -132,6 +133,6 @@ fn check_after_struct(
 }
 
 fn warning(member: &Member, message: String) -> Diagnostic {
-    Diagnostic::warning("uniform-constraints", member.span, message)
+    Diagnostic::warning(Code::UniformConstraints, member.span, message)
         .with_note("refused unless the language feature `uniform_buffer_standard_layout` is there")
 }

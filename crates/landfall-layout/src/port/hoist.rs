@@ -2,6 +2,7 @@
 //! becomes a variable of its own, `material_diffuse`, through arrays and
 //! parameters of functions too.
 
+use crate::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::edits::Edits;
@@ -167,7 +168,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         if let Some(name) = self.too_many {
             let at = self.structures[name].name.unwrap_or(0);
             let message = format!("structure `{name}` has more than {MOST_HANDLES} handles in it");
-            problems.push(Diagnostic::error("not-portable", self.shader.span(at), message));
+            problems.push(Diagnostic::error(Code::NotPortable, self.shader.span(at), message));
         }
     }
 
@@ -335,7 +336,7 @@ impl<'s, 'a> Handles<'s, 'a> {
 
     fn copied(&self, at: usize, structure: &str) -> Diagnostic {
         let message = format!("a copy of `{structure}` would copy the handles in it");
-        Diagnostic::error("not-portable", self.shader.span(at), message)
+        Diagnostic::error(Code::NotPortable, self.shader.span(at), message)
             .with_note("handles cannot be copied, so they are moved out of the structure")
             .with_help("use the uniform itself, or pass it to a function")
     }
@@ -352,7 +353,7 @@ impl<'s, 'a> Handles<'s, 'a> {
                     crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
                 let message = format!("a macro uses `{word}`, which has handles in it");
                 problems.push(
-                    Diagnostic::error("not-portable", span, message)
+                    Diagnostic::error(Code::NotPortable, span, message)
                         .with_help("write out what the macro stands for"),
                 );
             }

@@ -1,6 +1,7 @@
 //! What passes between stages: `attribute`, `varying`, `in` and `out` with
 //! locations both stages agree on, and `gl_FragColor` as an output.
 
+use crate::diagnostic::Code;
 use std::collections::BTreeMap;
 
 use super::Location;
@@ -248,7 +249,7 @@ fn unknown_size(shader: &Shader<'_>, passed: &Passed) -> Diagnostic {
         _ => crate::Span::default(),
     };
     let message = format!("how many locations `{}` takes is not known", passed.name);
-    Diagnostic { severity: Severity::Error, ..Diagnostic::error("not-portable", span, message) }
+    Diagnostic { severity: Severity::Error, ..Diagnostic::error(Code::NotPortable, span, message) }
         .with_help("write its type and size without macros")
 }
 
@@ -356,7 +357,7 @@ pub(super) fn fragment_output(
                         crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
                     let message = "`gl_FragData` is indexed by what is no number";
                     problems.push(
-                        Diagnostic::error("not-portable", span, message)
+                        Diagnostic::error(Code::NotPortable, span, message)
                             .with_help("write the indices as numbers, or declare the outputs"),
                     );
                 }

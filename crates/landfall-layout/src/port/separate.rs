@@ -1,6 +1,7 @@
 //! GLSL 4.50 as naga takes it: textures and samplers apart, no precision, no
 //! `bool` in blocks. Works on a text that is ported already.
 
+use crate::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Binding;
@@ -133,7 +134,11 @@ fn globals<'a>(
             || !variables.type_dims.is_empty()
         {
             let message = format!("naga takes no `{}` like `{name}`", ty.text);
-            problems.push(Diagnostic::error("not-portable", shader.span(declarator.name), message));
+            problems.push(Diagnostic::error(
+                Code::NotPortable,
+                shader.span(declarator.name),
+                message,
+            ));
             continue;
         }
         let own = shader.unused(&format!("{name}_sampler"));
@@ -173,7 +178,7 @@ fn parameters<'a>(
         }
         if !parameter.dims.is_empty() {
             let message = "naga takes no arrays of textures";
-            problems.push(Diagnostic::error("not-portable", shader.span(parameter.ty), message));
+            problems.push(Diagnostic::error(Code::NotPortable, shader.span(parameter.ty), message));
         }
         let (texture, sampler) = parts(ty.text);
         edits.replace(ty.start..ty.end, texture);
@@ -233,7 +238,7 @@ fn refuse(shader: &Shader<'_>, globals: &Scope<'_>, problems: &mut Vec<Diagnosti
             let name = shader.code[declarator.name].text;
             let message = format!("naga swaps the dimensions of `{name}`");
             problems.push(
-                Diagnostic::error("not-portable", shader.span(declarator.name), message)
+                Diagnostic::error(Code::NotPortable, shader.span(declarator.name), message)
                     .with_help("use an array of one dimension"),
             );
         }
@@ -247,7 +252,7 @@ fn refuse(shader: &Shader<'_>, globals: &Scope<'_>, problems: &mut Vec<Diagnosti
         let span = crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
         let message = format!("a macro uses the sampler `{}`", shader.word(at));
         problems.push(
-            Diagnostic::error("not-portable", span, message)
+            Diagnostic::error(Code::NotPortable, span, message)
                 .with_help("write out what the macro stands for"),
         );
     }

@@ -5,6 +5,7 @@ use super::edits::Edits;
 use super::shader::Shader;
 use super::uniforms::Gathered;
 use crate::Diagnostic;
+use crate::diagnostic::Code;
 use crate::source::Span;
 
 /// The byte to put declarations of `needed` at.
@@ -29,7 +30,7 @@ pub(super) fn find(
     let first = needed.first().map_or("", String::as_str);
     let span = Span { file: 0, start: most as u32, end: most as u32 };
     let message = format!("`{first}` and the others are used before all their types are declared");
-    Err(Diagnostic::error("not-portable", span, message)
+    Err(Diagnostic::error(Code::NotPortable, span, message)
         .with_note("one block holds all loose uniforms, so it stands behind all their types")
         .with_help("move the structures above the first function"))
 }

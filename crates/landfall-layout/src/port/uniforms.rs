@@ -1,6 +1,7 @@
 //! Uniforms: the loose ones are taken out of the text for one block, handles
 //! and blocks stay where they are and get their bindings.
 
+use crate::diagnostic::Code;
 use std::collections::BTreeSet;
 
 use super::edits::Edits;
@@ -40,7 +41,7 @@ pub(super) fn gather(
             if ty == "atomic_uint" {
                 let message = "Vulkan has no atomic counters";
                 problems.push(
-                    Diagnostic::error("not-portable", shader.span(variables.ty), message)
+                    Diagnostic::error(Code::NotPortable, shader.span(variables.ty), message)
                         .with_help("use a `uint` in a `buffer` block and `atomicAdd`"),
                 );
             }
@@ -93,7 +94,7 @@ fn unsized_arrays(shader: &Shader<'_>, variables: &Variables, problems: &mut Vec
             let name = shader.code[declarator.name].text;
             let message = format!("the size of `{name}` is not written, and a block needs it");
             problems.push(
-                Diagnostic::error("not-portable", shader.span(declarator.name), message)
+                Diagnostic::error(Code::NotPortable, shader.span(declarator.name), message)
                     .with_help("write the number of elements between the brackets"),
             );
         }

@@ -2,6 +2,7 @@
 //! member where the original has it, and as WGSL only when WGSL's own rules
 //! put every member there as well.
 
+use crate::diagnostic::Code;
 use std::panic::{self, AssertUnwindSafe};
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -57,7 +58,7 @@ fn differences(before: &[BlockLayout], after: &[BlockLayout]) -> Vec<Diagnostic>
                     "elements of `{}` are {:?} bytes apart, but {:?} in WGSL",
                     leaf.path, leaf.strides, new.strides
                 );
-                problems.push(Diagnostic::error("not-portable", Span::default(), message));
+                problems.push(Diagnostic::error(Code::NotPortable, Span::default(), message));
             }
         }
     }
@@ -67,7 +68,7 @@ fn differences(before: &[BlockLayout], after: &[BlockLayout]) -> Vec<Diagnostic>
 fn moved(path: &str, ours: Option<u64>, theirs: u64, who: &str) -> Diagnostic {
     let ours = ours.unwrap_or(0);
     let message = format!("`{path}` is at offset {ours}, but {who} it at {theirs}");
-    Diagnostic::error("not-portable", Span::default(), message)
+    Diagnostic::error(Code::NotPortable, Span::default(), message)
         .with_help("reorder the uniforms, or pad the structure to a multiple of 16 bytes")
 }
 
@@ -80,7 +81,7 @@ fn refused(reason: &str) -> Diagnostic {
         text => text,
     };
     let message = format!("naga does not take the ported text: {reason}");
-    Diagnostic::error("not-portable", Span::default(), message)
+    Diagnostic::error(Code::NotPortable, Span::default(), message)
         .with_note("this is a limit of naga's GLSL front end")
 }
 

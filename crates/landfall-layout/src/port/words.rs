@@ -1,6 +1,7 @@
 //! Words that mean something else, or nothing, in GLSL 4.50 for Vulkan:
 //! renamed wherever they stand, macros and branches not taken included.
 
+use crate::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
 use super::edits::Edits;
@@ -212,7 +213,7 @@ pub(super) fn refuse(shader: &Shader<'_>, problems: &mut Vec<Diagnostic>) {
         if FIXED.contains(&token.text) && told.insert(token.text) {
             let span = Span { file: 0, start: token.start as u32, end: token.end as u32 };
             let message = format!("`{}` belongs to the fixed functions", token.text);
-            let problem = Diagnostic::error("not-portable", span, message)
+            let problem = Diagnostic::error(Code::NotPortable, span, message)
                 .with_help("declare an attribute, a varying or a uniform of your own for it");
             problems.push(problem);
         }

@@ -26,6 +26,7 @@ mod splice;
 mod target;
 pub mod types;
 
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, Majorness, OffsetOrder, Rules, Shape};
 use crate::source::{ReadOptions, Source, Span};
@@ -37,7 +38,8 @@ pub use preprocess::Texts;
 use target::Decision;
 
 /// Errors after which a text is read no further: what was read before them is not to be trusted.
-const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb", "other-language"];
+const FATAL: &[Code] =
+    &[Code::CyclicInclude, Code::MacroBomb, Code::IncludeBomb, Code::OtherLanguage];
 
 /// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
@@ -90,13 +92,13 @@ fn shape(reader: &mut Reader<'_>, source: &Source, gather: bool, empty: bool) ->
     let preprocessor = reader.parser.preprocessor();
     let mut diagnostics = std::mem::take(&mut preprocessor.diagnostics);
     if empty && diagnostics.is_empty() && source.text.trim().is_empty() {
-        diagnostics.push(Diagnostic::error("empty-file", Span::default(), "the file is empty"));
+        diagnostics.push(Diagnostic::error(Code::EmptyFile, Span::default(), "the file is empty"));
     }
     if diagnostics.iter().any(|d| FATAL.contains(&d.code)) {
         // A text that was read several times over says the same things several times.
         let mut told = Vec::new();
         diagnostics.retain(|d| {
-            let new = d.code != "duplicate-name" && !told.contains(&d.labels);
+            let new = d.code != Code::DuplicateName && !told.contains(&d.labels);
             told.push(d.labels.clone());
             new
         });
@@ -130,7 +132,7 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
             if !sized {
                 let message =
                     format!("`{}` cannot be gathered: its size is not written", member.name);
-                let diagnostic = Diagnostic::error("array-size", member.span, message);
+                let diagnostic = Diagnostic::error(Code::ArraySize, member.span, message);
                 let help = "write the number of elements between the brackets";
                 reader.report(diagnostic.with_help(help));
             }

@@ -32,6 +32,7 @@ mod structs;
 mod types;
 mod variables;
 
+use crate::diagnostic::Code;
 use outline::Class;
 use reader::Reader;
 use report::Reports;
@@ -48,7 +49,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     if let Some(foreign) = source.foreign {
         let span = Span { file: 0, start: foreign.first, end: foreign.first };
         let message = "WGSL is UTF-8, and a byte here is not";
-        let found = Diagnostic::error("not-utf8", span, message);
+        let found = Diagnostic::error(Code::NotUtf8, span, message);
         let diagnostics = vec![found.with_help("save the file as UTF-8")];
         return Parsed { files, diagnostics, ..Parsed::default() };
     }

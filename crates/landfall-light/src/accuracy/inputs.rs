@@ -13,6 +13,7 @@ pub mod role;
 mod samples;
 pub(super) mod scene;
 
+use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
 pub(super) use input::Inputs;
@@ -44,7 +45,7 @@ pub(super) fn domain(
 }
 
 fn bad(refused: Refused, about: &str) -> Diagnostic {
-    Diagnostic::about("bad-domain", refused.message, refused.help, about)
+    Diagnostic::about(Code::BadDomain, refused.message, refused.help, about)
 }
 
 /// Samples by scalar.

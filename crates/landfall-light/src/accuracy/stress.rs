@@ -27,6 +27,7 @@ mod shrink;
 pub mod words;
 mod worker;
 
+use landfall_layout::diagnostic::Code;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -159,7 +160,7 @@ pub fn stress(
         budget: request.budget,
     };
     let failed = |failure: landfall_exec::backend::Failure| {
-        refused(Diagnostic::about("cannot-run", failure.message, None, &source.path))
+        refused(Diagnostic::about(Code::CannotRun, failure.message, None, &source.path))
     };
     let mut drivers = Drivers::new(&pure, &inputs, readers, &plan);
     let started = Instant::now();
@@ -262,7 +263,7 @@ fn order(
     });
     order.map_err(|reason| {
         let message = format!("`{}` does not fit: {reason}", other.shown);
-        Diagnostic::about("cannot-compare", message, None, "--against")
+        Diagnostic::about(Code::CannotCompare, message, None, "--against")
     })
 }
 

@@ -16,6 +16,7 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use super::{Camera, Lights, Scene, Space};
+use landfall_layout::diagnostic::Code;
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::error::Error;
 use landfall_layout::file::read_whole;
@@ -167,7 +168,7 @@ fn size(walk: &mut Walk, at: &At<'_>) -> Option<[u32; 2]> {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     if pixels > MOST_PIXELS {
         let what = format!("is {pixels} pixels, of which a picture has {MOST_PIXELS} at most");
-        walk.error("too-large", at, what);
+        walk.error(Code::TooLarge, at, what);
         return None;
     }
     Some(size)
@@ -210,7 +211,7 @@ fn across(walk: &mut Walk, object: &Object<'_>, front: DVec3, up: DVec3) {
     }
     let at = object.get("up").or_else(|| object.get("front")).or_else(|| object.get("target"));
     let what = "is along the direction of the camera: nothing says what is up";
-    walk.error("up-along-front", &at.unwrap_or(object.at.clone()), what).help = Some(
+    walk.error(Code::UpAlongFront, &at.unwrap_or(object.at.clone()), what).help = Some(
         "give an `up` across the direction, such as `[0, 0, -1]` when looking down".to_string(),
     );
 }
@@ -227,14 +228,14 @@ fn in_order(walk: &mut Walk, object: &Object<'_>, near: f64, far: f64) {
     };
     let at = far_at.or(near_at).unwrap_or(object.at.clone());
     let what = format!("leaves nothing to see: the near plane is at {near}, the far one at {far}");
-    walk.error("bad-planes", &at, what).help = Some(help);
+    walk.error(Code::BadPlanes, &at, what).help = Some(help);
 }
 
 fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Option<DVec3> {
     match (object.get("front"), object.get("target")) {
         (Some(_), Some(target)) => {
             walk.error(
-                "given-twice",
+                Code::GivenTwice,
                 &target,
                 "says again what `front` says: where the camera looks",
             )
@@ -247,7 +248,7 @@ fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Optio
             let front = walk::unit(target - position?);
             if front.is_none() {
                 walk.error(
-                    "zero-direction",
+                    Code::ZeroDirection,
                     &at,
                     "is where the camera is: it has no direction to look in",
                 );
@@ -255,8 +256,8 @@ fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Optio
             front
         }
         (None, None) => {
-            walk.error("missing-member", &object.at, "does not say where the camera looks").help =
-                Some("give `front`, a direction, or `target`, a place".to_string());
+            walk.error(Code::MissingMember, &object.at, "does not say where the camera looks")
+                .help = Some("give `front`, a direction, or `target`, a place".to_string());
             None
         }
     }
@@ -266,13 +267,13 @@ fn fov(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     let fov = walk.number(at)?;
     if fov <= 0.0 || fov >= 180.0 {
         let what = format!("is {fov} degrees: a field of view lies between 0 and 180");
-        walk.error("value-out-of-range", at, what);
+        walk.error(Code::ValueOutOfRange, at, what);
         return None;
     }
     if fov <= std::f64::consts::FRAC_PI_2 {
         let degrees = walk::tidy(fov.to_degrees());
-        walk.warning("suspicious-unit", at, format!("is {fov} degrees, a very narrow view")).help =
-            Some(format!("if that is in radians, write {degrees}"));
+        walk.warning(Code::SuspiciousUnit, at, format!("is {fov} degrees, a very narrow view"))
+            .help = Some(format!("if that is in radians, write {degrees}"));
     }
     Some(fov)
 }
@@ -303,7 +304,7 @@ fn raw(
     match serde_json::from_str(&text[at.node.start..at.node.end]) {
         Ok(value) => Some(value),
         Err(_) => {
-            walk.error("wrong-value", &at, "nests too deep");
+            walk.error(Code::WrongValue, &at, "nests too deep");
             None
         }
     }
@@ -336,15 +337,15 @@ fn no_json(text: &str, fault: &Fault) -> Diagnostic {
     match fault {
         Fault::Truncated => {
             let message = "the text ends before the scene is complete";
-            Diagnostic::error("json-syntax", span(text.trim_end().len(), 1), message)
+            Diagnostic::error(Code::JsonSyntax, span(text.trim_end().len(), 1), message)
         }
         Fault::Twice { at, key } => {
             let message = format!("`{}` stands twice in one object", walk::short(key));
-            Diagnostic::error("given-twice", span(*at, key.len() + 2), message)
+            Diagnostic::error(Code::GivenTwice, span(*at, key.len() + 2), message)
         }
         Fault::Deep { at } => {
             let message = "nests deeper than any scene";
-            Diagnostic::error("json-syntax", span(*at, 1), message)
+            Diagnostic::error(Code::JsonSyntax, span(*at, 1), message)
         }
         Fault::Expected { at, wanted } => {
             let rest = &text[*at..];
@@ -354,11 +355,11 @@ fn no_json(text: &str, fault: &Fault) -> Diagnostic {
             match word.parse::<f64>() {
                 Ok(number) if !number.is_finite() => {
                     let message = format!("`{}` is not finite", walk::short(word));
-                    Diagnostic::error("not-finite", at, message).with_note(
+                    Diagnostic::error(Code::NotFinite, at, message).with_note(
                         "JSON has neither NaN nor infinity, and nothing can be lit with them",
                     )
                 }
-                _ => Diagnostic::error("json-syntax", at, format!("here should be {wanted}")),
+                _ => Diagnostic::error(Code::JsonSyntax, at, format!("here should be {wanted}")),
             }
         }
     }

@@ -16,6 +16,7 @@ pub mod shard;
 pub mod tree;
 mod verified;
 
+use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -61,7 +62,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         match rust::files(&config, &settings, &args.paths) {
             Ok(files) => settings.rust_files = files,
             Err(error) => {
-                return Ok(could_not(Diagnostic { code: "bad-rust", ..error.into() }, streams));
+                return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
             }
         }
     }
@@ -108,7 +109,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     for error in &mended.refused {
         pass.no_input.push(one::of_diagnostic(
-            &Diagnostic { code: "output", ..error.clone().into() },
+            &Diagnostic { code: Code::Output, ..error.clone().into() },
             &Files::default(),
         ));
     }

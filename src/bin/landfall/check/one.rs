@@ -1,5 +1,6 @@
 //! One shader: read, laid out, asked about, held against its lock; or found unchanged.
 
+use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -127,7 +128,7 @@ impl Job<'_> {
         let path = match input {
             Ok(input) => input.path,
             Err(error) => {
-                let found = Diagnostic { code: "no-input", ..error.into() };
+                let found = Diagnostic { code: Code::NoInput, ..error.into() };
                 return Done::NoInput(Box::new(of_diagnostic(&found, &Files::default())));
             }
         };
@@ -158,7 +159,11 @@ impl Job<'_> {
         Done::Fresh(Box::new(catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
             let error = Error::new(&*shown, "made landfall panic: this is its fault")
                 .with_help("please report it with the file; the other files are not affected");
-            failed(&shown, Hash::default(), Diagnostic { code: "internal-error", ..error.into() })
+            failed(
+                &shown,
+                Hash::default(),
+                Diagnostic { code: Code::InternalError, ..error.into() },
+            )
         })))
     }
 
@@ -255,7 +260,7 @@ impl Job<'_> {
                         }
                     }
                     Err(error) => failed.push(of_diagnostic(
-                        &Diagnostic { code: "unreadable-lock", ..error.into() },
+                        &Diagnostic { code: Code::UnreadableLock, ..error.into() },
                         &Files::default(),
                     )),
                 }
@@ -374,7 +379,8 @@ pub fn of_diagnostic(diagnostic: &Diagnostic, files: &Files) -> Finding {
     let place = main.map_or_else(|| Place::file(path), |l| Place::of(files, l.span));
     // Whichever shader includes a file, what is said about it is the same.
     let about = place.path.clone();
-    let mut finding = Finding::new(diagnostic.code, about, place, diagnostic.message.clone());
+    let mut finding =
+        Finding::new(diagnostic.code.name(), about, place, diagnostic.message.clone());
     finding.level = match diagnostic.severity {
         Severity::Warning => Level::Warn,
         Severity::Error => Level::Deny,

@@ -1,6 +1,7 @@
 //! What the configuration says to lints: levels, permutations, copies, tables, Rust mirrors.
 
 use globset::Glob;
+use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::Level;
 use landfall_layout::{Diagnostic, Span};
 use landfall_lint::settings::{Figure, MirrorCopy, MirrorGroup, Row, RustMirror, Table};
@@ -40,18 +41,18 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => "`landfall rule` lists the lints".to_string(),
             };
-            keys.add(Diagnostic::error("unknown-lint", code.span, message).with_help(help));
+            keys.add(Diagnostic::error(Code::UnknownLint, code.span, message).with_help(help));
             continue;
         }
         let Some(said) = value.text() else {
             let message = format!("the level of `{}` is {}", code.value, value.kind());
-            let found = Diagnostic::error("wrong-type", value.span(), message);
+            let found = Diagnostic::error(Code::WrongType, value.span(), message);
             keys.add(found.with_help("write `\"allow\"`, `\"warn\"` or `\"deny\"`"));
             continue;
         };
         match LEVELS.into_iter().find(|level| level.name() == said.value) {
             Some(level) => levels.push((code.value, level)),
-            None => keys.unknown("wrong-value", "level", &said, &LEVELS.map(Level::name)),
+            None => keys.unknown(Code::WrongValue, "level", &said, &LEVELS.map(Level::name)),
         }
     }
     let rank = |code: &str| match code {
@@ -66,7 +67,7 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
 fn permutations(keys: &Keys<'_>) -> Vec<Vec<(String, String)>> {
     let lists = keys.text_lists("permutations");
     let set = |list: &Vec<Text>| -> Vec<(String, String)> {
-        list.iter().filter_map(|text| keys.parsed("wrong-value", text, args::define)).collect()
+        list.iter().filter_map(|text| keys.parsed(Code::WrongValue, text, args::define)).collect()
     };
     lists.iter().map(set).collect()
 }
@@ -76,7 +77,7 @@ fn mirror_group(keys: &Keys<'_>, root: &Root) -> Option<MirrorGroup> {
     let copies = keys.tables("copies", "copies", |keys| mirror_copy(keys, root));
     if keys.row("copies").is_none_or(|row| row.len().is_some_and(|copies| copies < 2)) {
         let message = "a mirror group of less than two copies compares nothing".to_string();
-        let found = Diagnostic::error("missing-key", span_of(keys), message);
+        let found = Diagnostic::error(Code::MissingKey, span_of(keys), message);
         keys.add(found.with_help("add the other copies to `copies`"));
     }
     Some(MirrorGroup { name: name?.value, copies, place: keys.place() })
@@ -125,14 +126,14 @@ fn figure(keys: &Keys<'_>, name: &str, row: toml::Row<'_>) -> Option<Figure> {
         let bytes = u64::from_str_radix(digits, radix).ok();
         if bytes.is_none() {
             let message = format!("`{name}` is {digits}, which is no number of bytes");
-            let found = Diagnostic::error("wrong-value", span, message);
+            let found = Diagnostic::error(Code::WrongValue, span, message);
             keys.add(found.with_help("write a number from 0 to 2^63 - 1"));
         }
         return Some(Figure { bytes: bytes?, written: keys.written(span).to_string(), place });
     }
     let Some(text) = row.text() else {
         let message = format!("`{name}` is {}, not a number of bytes", row.kind());
-        let found = Diagnostic::error("wrong-type", span, message);
+        let found = Diagnostic::error(Code::WrongType, span, message);
         keys.add(found.with_help("write a number, or arithmetic such as `\"48 * 128 + 4\"`"));
         return None;
     };
@@ -147,7 +148,7 @@ fn figure(keys: &Keys<'_>, name: &str, row: toml::Row<'_>) -> Option<Figure> {
                 false => span,
             };
             let message = format!("`{name}` is no number of bytes: {message}");
-            let found = Diagnostic::error("wrong-value", span, message);
+            let found = Diagnostic::error(Code::WrongValue, span, message);
             keys.add(
                 found.with_help("write arithmetic such as `48 * 128 + 4`, `+ - * ( )` and hex"),
             );
@@ -163,7 +164,7 @@ fn aliases(keys: &Keys<'_>, example: &str) -> Vec<(String, String)> {
             Some(text) => Some((name.value, text.value)),
             None => {
                 let message = format!("the other name of `{}` is {}", name.value, row.kind());
-                let found = Diagnostic::error("wrong-type", row.span(), message);
+                let found = Diagnostic::error(Code::WrongType, row.span(), message);
                 keys.add(found.with_help(format!("write `{} = \"…\"`", name.value)));
                 None
             }

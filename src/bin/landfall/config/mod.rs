@@ -10,6 +10,7 @@ mod lints;
 mod root;
 mod toml;
 
+use landfall_layout::diagnostic::Code;
 use std::path::{Path, PathBuf};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
@@ -124,7 +125,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
 fn target(keys: &Keys<'_>, text: &Text) -> Option<Api> {
     let found = Limits::from_name(&text.value);
     if found.is_none() {
-        keys.unknown("unknown-target", "target", text, &Limits::ALL.map(Limits::name));
+        keys.unknown(Code::UnknownTarget, "target", text, &Limits::ALL.map(Limits::name));
     }
     found.map(|limits| match limits {
         Limits::Gl33 => Api::Gl33,
@@ -142,7 +143,7 @@ fn pairs(
     parse: impl Fn(&str) -> Result<(String, String), String>,
 ) -> Vec<(String, String)> {
     let texts = keys.texts(key).unwrap_or_default();
-    texts.iter().filter_map(|text| keys.parsed("wrong-value", text, &parse)).collect()
+    texts.iter().filter_map(|text| keys.parsed(Code::WrongValue, text, &parse)).collect()
 }
 
 fn exclude(keys: &Keys<'_>) -> Exclude {
@@ -263,7 +264,7 @@ pub fn is_code(code: &str) -> bool {
 pub fn unknown_code(code: &str) -> Diagnostic {
     let near = nearest(code, LINTS.iter().map(|lint| lint.code));
     Diagnostic {
-        code: "unknown-lint",
+        code: Code::UnknownLint,
         severity: Severity::Error,
         message: format!("there is no lint `{code}`"),
         path: None,
@@ -330,7 +331,7 @@ pub fn all_excluded(count: usize, flags: &[String]) -> Diagnostic {
         [] => "`exclude` of the configuration says so".to_string(),
         flags => format!("`--exclude {}` says so", flags.join("`, `--exclude ")),
     };
-    let found = Diagnostic::about("no-input", message, Some(help), "");
+    let found = Diagnostic::about(Code::NoInput, message, Some(help), "");
     Diagnostic { path: None, ..found }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Every fault is collected, so that a file is mended in one go.
 
+use landfall_layout::diagnostic::Code;
 use std::cell::RefCell;
 use std::ops::Range;
 
@@ -57,7 +58,7 @@ impl Document {
             Err(cause) => {
                 let at = cause.span().unwrap_or(0..0);
                 let message = cause.message().lines().collect::<Vec<_>>().join(", ");
-                self.add(Diagnostic::error("syntax", span(at), message));
+                self.add(Diagnostic::error(Code::Syntax, span(at), message));
                 None
             }
         };
@@ -110,7 +111,9 @@ impl<'d> Keys<'d> {
                 None => format!("{whose} has {}", quoted(known)),
             };
             let message = format!("{whose} has no key `{name}`");
-            self.add(Diagnostic::error("unknown-key", span(key.span()), message).with_help(help));
+            self.add(
+                Diagnostic::error(Code::UnknownKey, span(key.span()), message).with_help(help),
+            );
         }
     }
 
@@ -140,7 +143,7 @@ impl<'d> Keys<'d> {
     fn wrong_type(&self, key: &str, value: &Value<'_>, wanted: &str, example: &str) {
         let message = format!("`{key}` is {}, not {wanted}", a(value.get_ref()));
         self.add(
-            Diagnostic::error("wrong-type", span(value.span()), message)
+            Diagnostic::error(Code::WrongType, span(value.span()), message)
                 .with_help(format!("write `{key} = {example}`")),
         );
     }
@@ -164,7 +167,7 @@ impl<'d> Keys<'d> {
         if !self.table.contains_key(key) {
             self.asked.borrow_mut().push(key);
             let message = format!("`{}` has no `{key}`", self.name);
-            let found = Diagnostic::error("missing-key", self.span, message);
+            let found = Diagnostic::error(Code::MissingKey, self.span, message);
             self.add(found.with_help(format!("add `{key} = \"…\"`")));
             return None;
         }
@@ -201,7 +204,7 @@ impl<'d> Keys<'d> {
                     let message =
                         format!("`{key}` holds {}, and wants strings only", a(item.get_ref()));
                     let help = format!("write `\"{}\"`", self.written(span(item.span())));
-                    let found = Diagnostic::error("wrong-type", span(item.span()), message);
+                    let found = Diagnostic::error(Code::WrongType, span(item.span()), message);
                     self.add(found.with_help(help));
                 }
             }
@@ -229,13 +232,13 @@ impl<'d> Keys<'d> {
         let text = self.text(key)?;
         let found = words.iter().find(|word| **word == text.value).copied();
         if found.is_none() {
-            self.unknown("wrong-value", key, &text, words);
+            self.unknown(Code::WrongValue, key, &text, words);
         }
         found
     }
 
     /// A word that is none of those it may be.
-    pub fn unknown(&self, code: &'static str, what: &str, text: &Text, known: &[&'static str]) {
+    pub fn unknown(&self, code: Code, what: &str, text: &Text, known: &[&'static str]) {
         let message = format!("`{}` is no {what}", text.value);
         let help = match nearest(&text.value, known.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
@@ -247,7 +250,7 @@ impl<'d> Keys<'d> {
     /// A text that is read like a flag's value.
     pub fn parsed<T>(
         &self,
-        code: &'static str,
+        code: Code,
         text: &Text,
         parse: impl Fn(&str) -> Result<T, String>,
     ) -> Option<T> {
@@ -264,7 +267,7 @@ impl<'d> Keys<'d> {
     pub fn bad_glob(&self, text: &Text, cause: &str) {
         let message = format!("`{}` is no glob: {cause}", text.value);
         self.add(
-            Diagnostic::error("bad-glob", text.span, message)
+            Diagnostic::error(Code::BadGlob, text.span, message)
                 .with_help("escape `[`, `{`, `*` and `?` that are meant as they are with `\\`"),
         );
     }
@@ -281,7 +284,7 @@ impl<'d> Keys<'d> {
         let is_tables = list.is_some_and(|list| list.iter().all(|item| item.get_ref().is_table()));
         let Some(list) = list.filter(|_| is_tables) else {
             let message = format!("`{key}` is {}, not an array of tables", a(value.get_ref()));
-            let found = Diagnostic::error("wrong-type", span(value.span()), message);
+            let found = Diagnostic::error(Code::WrongType, span(value.span()), message);
             self.add(found.with_help(format!("write it under `[[{key}]]`")));
             return Vec::new();
         };

@@ -1,5 +1,6 @@
 //! The layouts of a run in order: one document on stdout, or a file a shader below `--out`.
 
+use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -175,12 +176,12 @@ impl<'a> Writer<'a> {
         let message = format!("no block named `{name}` {}", self.among());
         let help =
             (!self.others.is_empty()).then(|| format!("there is `{}`", self.others.join("`, `")));
-        Diagnostic { help, ..about_run("unknown-block", Severity::Error, message) }
+        Diagnostic { help, ..about_run(Code::UnknownBlock, Severity::Error, message) }
     }
 
     fn no_blocks(&self) -> Diagnostic {
         let message = format!("no blocks and no loose uniforms {}", self.among());
-        about_run("no-blocks", Severity::Warning, message)
+        about_run(Code::NoBlocks, Severity::Warning, message)
     }
 
     fn among(&self) -> String {
@@ -200,6 +201,6 @@ fn writer(args: &LayoutArgs) -> FileWriter {
 }
 
 /// A finding about the run as a whole.
-fn about_run(code: &'static str, severity: Severity, message: String) -> Diagnostic {
+fn about_run(code: Code, severity: Severity, message: String) -> Diagnostic {
     Diagnostic { code, severity, message, path: None, labels: vec![], notes: vec![], help: None }
 }

@@ -1,5 +1,6 @@
 //! What a render is made of: the scene and what it and the command line say of the shader.
 
+use landfall_layout::diagnostic::Code;
 use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::source::Files;
@@ -262,7 +263,7 @@ impl Asked {
                 (vec![found], &self.reading.files)
             }
             RenderError::Reader(failure) => {
-                let mut found = plain("reader", failure.message.clone(), None, shader);
+                let mut found = plain(Code::Reader, failure.message.clone(), None, shader);
                 found.notes.extend(failure.log.lines().take(8).map(str::to_string));
                 (vec![found], &self.files)
             }

@@ -3,6 +3,7 @@
 //! Numbers are numbers, bools `true` and `false`, vectors arrays, matrices arrays of columns,
 //! structures objects by member; what JSON has no number for is `"nan"`, `"inf"`, `"-inf"`.
 
+use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
 use crate::interp::ValueType;
@@ -13,7 +14,7 @@ use landfall_layout::source::Language;
 /// What does not fit, and where in the JSON: `args[1].color[2]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Misfit {
-    pub code: &'static str,
+    pub code: Code,
     pub message: String,
     pub help: Option<String>,
 }
@@ -60,7 +61,7 @@ pub(super) fn words(
             for (name, ty) in members {
                 let Some(value) = map.get(name) else {
                     return Err(Misfit {
-                        code: "missing-member",
+                        code: Code::MissingMember,
                         message: format!("`{at}.{name}` is not given"),
                         help: Some(format!("it is a `{}`", spelled(ty, language))),
                     });
@@ -75,7 +76,7 @@ pub(super) fn words(
                     let near = landfall_layout::text::edit_distance::nearest(key, names());
                     let all: Vec<String> = names().map(|name| format!("`{name}`")).collect();
                     Err(Misfit {
-                        code: "unknown-member",
+                        code: Code::UnknownMember,
                         message: format!(
                             "`{at}.{key}`: `{}` has no member `{key}`",
                             spelled(ty, language)
@@ -120,7 +121,7 @@ fn list<'v>(
 
 fn wrong(ty: &ValueType, wanted: &str, value: &Value, at: &str, language: Language) -> Misfit {
     Misfit {
-        code: "wrong-value",
+        code: Code::WrongValue,
         message: format!("`{at}`: `{}` wants {wanted}, not {}", spelled(ty, language), kind(value)),
         help: None,
     }
@@ -130,7 +131,7 @@ fn word(scalar: Scalar, value: &Value, at: &str, language: Language) -> Result<u
     bits(held_as(scalar), value).map_err(|unfit| match unfit {
         Unfit::Kind(wanted) => wrong(&ValueType::Scalar(scalar), wanted, value, at, language),
         Unfit::Range => Misfit {
-            code: "value-out-of-range",
+            code: Code::ValueOutOfRange,
             message: format!(
                 "`{at}`: {} does not fit `{}`",
                 kind(value),

@@ -1,5 +1,6 @@
 //! Which function is meant: by its name, by its name and types, or by what the arguments fit.
 
+use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
 use super::arguments::{Misfit, words};
@@ -43,13 +44,13 @@ pub(super) fn find<'m>(
         (1, _) => Ok(found.swap_remove(0)),
         (0, Some(misfit)) if fitting.len() == 1 => Err(misfit),
         (0, Some(misfit)) => Err(Misfit {
-            code: "no-overload",
+            code: Code::NoOverload,
             message: format!("no `{name}` takes these arguments: {}", misfit.message),
             help: Some(format!("there is {}", all_of(&named))),
         }),
         (0, None) => Err(no_such_parameters(name, &named)),
         (_, _) => Err(Misfit {
-            code: "ambiguous-function",
+            code: Code::AmbiguousFunction,
             message: format!("{} functions `{name}` take these arguments", found.len()),
             help: Some(format!("say which with its types: {}", all_of(&named))),
         }),
@@ -63,7 +64,7 @@ fn taken<'m>(
     given: &[Value],
     language: Language,
 ) -> Result<Found<'m>, Misfit> {
-    let cannot = |message: String| Misfit { code: "cannot-call", message, help: None };
+    let cannot = |message: String| Misfit { code: Code::CannotCall, message, help: None };
     let signature = program.signature(info.handle.index()).map_err(|what| {
         let shown = shown(info);
         cannot(format!("`{shown}` cannot be called: the evaluator does not know {what}"))
@@ -84,7 +85,7 @@ fn taken<'m>(
     }
     if given.len() != all {
         return Err(Misfit {
-            code: "wrong-count",
+            code: Code::WrongCount,
             message: format!(
                 "`{}` takes {}, and {} given",
                 shown(info),
@@ -135,7 +136,7 @@ pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, Mi
         }
         ([], _) => Err(no_such_parameters(name, &named)),
         (_, several) => Err(Misfit {
-            code: "ambiguous-function",
+            code: Code::AmbiguousFunction,
             message: format!("{several} functions are named `{name}`"),
             help: Some(format!("say which with its types: {}", all_of(&named))),
         }),
@@ -166,7 +167,7 @@ impl<'m, 'a> Meant<'m, 'a> {
 
 fn no_such_parameters(name: &str, named: &[&FunctionInfo]) -> Misfit {
     Misfit {
-        code: "unknown-function",
+        code: Code::UnknownFunction,
         message: format!("no function `{name}` has these parameters"),
         help: Some(format!("there is {}", all_of(named))),
     }
@@ -203,7 +204,7 @@ pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
         let place = why.labels.first().map(|label| module.files().locate(label.span));
         let place = place.map_or(String::new(), |at| format!(", at {}:{}", at.path, at.line));
         let message = format!("`{name}` cannot run: {}{place}", why.message);
-        return Misfit { code: "cannot-call", message, help: why.help.clone() };
+        return Misfit { code: Code::CannotCall, message, help: why.help.clone() };
     }
     let names = || module.functions().iter().map(|function| function.name.as_str());
     let all: Vec<String> =
@@ -213,7 +214,7 @@ pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
         false => format!("it has `{}`", all.join("`, `")),
     };
     Misfit {
-        code: "unknown-function",
+        code: Code::UnknownFunction,
         message: format!("the shader has no function `{name}`"),
         help: Some(match landfall_layout::text::edit_distance::nearest(name, names()) {
             Some(near) => format!("did you mean `{near}`? {list}"),

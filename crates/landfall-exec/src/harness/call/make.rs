@@ -3,6 +3,7 @@
 //!
 //! Made of a [`Module`]; gives [`pure`](super::pure) all it holds.
 
+use landfall_layout::diagnostic::Code;
 use naga::{AddressSpace, Function, GlobalVariable, Handle};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -62,7 +63,7 @@ pub(super) fn make(
         };
         let message = format!("`{shown}` cannot be {done}: {what}");
         let help = (!help.is_empty()).then(|| help.to_string());
-        refuse(Misfit { code: "cannot-call", message, help })
+        refuse(Misfit { code: Code::CannotCall, message, help })
     };
     let target = &module.ir.functions[info.handle];
     let mut reached = reach::variables(&module.ir, target);

@@ -2,6 +2,7 @@
 //!
 //! Made by [`call`](super::call()), printed by the report of `landfall run`.
 
+use landfall_layout::diagnostic::Code;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -73,7 +74,7 @@ impl CallReport {
             if !operands.is_empty() {
                 message.push_str(&format!(": of {}", operands.join(", ")));
             }
-            let mut found = Diagnostic::warning("undefined-operation", seen.place.span, message)
+            let mut found = Diagnostic::warning(Code::UndefinedOperation, seen.place.span, message)
                 .with_text(format!("in `{}`", function_name(&seen.place.function)));
             if seen.place.shown.is_empty() {
                 found.labels.clear();

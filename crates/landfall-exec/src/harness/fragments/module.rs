@@ -3,6 +3,7 @@
 //! The old entry point becomes a function; the new one loads a texel for each of its inputs and
 //! calls it. Feeds [`fragments`](super) with the module and what its inputs are.
 
+use landfall_layout::diagnostic::Code;
 use naga::{
     AddressSpace, BinaryOperator, Binding, Block, BuiltIn, EntryPoint, Expression, Function,
     FunctionArgument, FunctionResult, GlobalVariable, Handle, ImageClass, ImageDimension,
@@ -77,7 +78,7 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
 }
 
 fn refused(message: String) -> Vec<Diagnostic> {
-    vec![Diagnostic::error("cannot-run", landfall_layout::Span::default(), message)]
+    vec![Diagnostic::error(Code::CannotRun, landfall_layout::Span::default(), message)]
 }
 
 /// Every input with a location, in the order of the arguments, and the pixel.

@@ -2,6 +2,7 @@
 //!
 //! Reads the [layout](crate::layout); `structs`(super::structs) writes what is kept here.
 
+use crate::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::comments;
@@ -25,7 +26,7 @@ impl Refusal {
         let message = format!("block `{}` is left out of the C header: {}", block.name, self.why);
         Diagnostic {
             path: Some(shader.path.clone()),
-            ..Diagnostic::error("no-c-mirror", self.span, message)
+            ..Diagnostic::error(Code::NoCMirror, self.span, message)
         }
     }
 }

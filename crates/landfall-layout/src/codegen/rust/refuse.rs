@@ -1,5 +1,6 @@
 //! Which blocks have no mirror, and what is said about them.
 
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen};
@@ -14,7 +15,7 @@ pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnost
     if block.space == AddressSpace::Default {
         let message = "the loose uniforms have no mirror: they are set one by one";
         return Some(
-            Diagnostic::warning("not-mirrored", block.span, message)
+            Diagnostic::warning(Code::NotMirrored, block.span, message)
                 .with_help("lay them out as one block with `--gather`"),
         );
     }
@@ -29,14 +30,14 @@ pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnost
             Language::Wgsl => "override",
         };
         return Some(
-            Diagnostic::error("not-mirrored", member.span, message)
+            Diagnostic::error(Code::NotMirrored, member.span, message)
                 .with_help(format!("give the {kind} a value: `-O {constant}=16`")),
         );
     }
     let size = block.size.unwrap_or(0);
     if size > LARGEST_MIRROR {
         let message = format!("block `{name}` has no mirror: it is {size} bytes large");
-        return Some(Diagnostic::error("not-mirrored", block.span, message).with_note(format!(
+        return Some(Diagnostic::error(Code::NotMirrored, block.span, message).with_note(format!(
             "a Rust type is at most `isize::MAX` bytes large, {LARGEST_MIRROR} on 32-bit targets"
         )));
     }

@@ -5,6 +5,7 @@ use super::ast::{BlockDecl, Qualifiers, Storage};
 use super::declarations::{Defaults, Named, Reader};
 use super::members::{Place, majorness};
 use super::parser::diagnostic_at;
+use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, OffsetOrder, Rules};
 use crate::source::Target;
 
@@ -44,7 +45,7 @@ impl<'a> Reader<'a> {
         let unread = self.parser.diagnostics().len() > errors;
         if read.members.is_empty() && read.problems.is_empty() && !unread {
             let message = format!("block `{}` has no members", name.text);
-            read.problems.push(diagnostic_at(&name, "empty-struct", message));
+            read.problems.push(diagnostic_at(&name, Code::EmptyStruct, message));
         }
         if let Some(id) = qualifiers.find("align") {
             // GLSL 4.60 §4.4.5: `align` on a block is as if on each member without its own.

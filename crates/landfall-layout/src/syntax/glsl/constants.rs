@@ -1,6 +1,7 @@
 //! Constants that sizes are computed from: `const` variables and
 //! specialisation constants.
 
+use crate::diagnostic::Code;
 use rustc_hash::FxHashMap;
 
 use super::ast::{Declarator, LayoutId, Name, Qualifiers, Tokens};
@@ -137,16 +138,16 @@ impl<'a> Reader<'a> {
         let name = self.parser.token_of(&id.name);
         if id.tokens.is_empty() {
             let message = format!("`{}` wants a number: `{} = N`", name.text, name.text);
-            return Err(diagnostic_at(&name, "layout-qualifier", message));
+            return Err(diagnostic_at(&name, Code::LayoutQualifier, message));
         }
         let value = self.constant_integer(&id.tokens, name.span);
         let value = value.map_err(|problem| {
             let message = format!("the value of `{}` {}", name.text, problem.message);
-            Diagnostic::error("layout-qualifier", problem.span, message)
+            Diagnostic::error(Code::LayoutQualifier, problem.span, message)
         })?;
         u64::try_from(value).map_err(|_| {
             let message = format!("`{} = {value}` is negative", name.text);
-            diagnostic_at(&self.parser.tokens()[id.tokens.start], "layout-qualifier", message)
+            diagnostic_at(&self.parser.tokens()[id.tokens.start], Code::LayoutQualifier, message)
         })
     }
 

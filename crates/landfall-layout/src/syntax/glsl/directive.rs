@@ -1,5 +1,6 @@
 //! Directives: what a line that begins with `#` does to the stream of tokens.
 
+use crate::diagnostic::Code;
 use std::rc::Rc;
 
 use super::evaluate::{Names, Problem, evaluate_tokens};
@@ -97,7 +98,7 @@ impl<'a> Preprocessor<'a> {
             }
             "elif" | "else" | "endif" => {
                 let message = format!("`#{}` without `#if`", name.text);
-                self.report(Diagnostic::error("unmatched-directive", name.span, message));
+                self.report(Diagnostic::error(Code::UnmatchedDirective, name.span, message));
             }
             "include" => return self.include(name),
             "version" => self.set_version(name),
@@ -106,7 +107,7 @@ impl<'a> Preprocessor<'a> {
                 let text = self.rest_of_line().trim();
                 let message = format!("`#error {text}`");
                 self.report(
-                    Diagnostic::error("error-directive", name.span, message).with_help(
+                    Diagnostic::error(Code::ErrorDirective, name.span, message).with_help(
                         "define what the shader asks for, as `-D NAME` or `-D NAME=VALUE`",
                     ),
                 );
@@ -115,7 +116,7 @@ impl<'a> Preprocessor<'a> {
             "pragma" | "line" => {}
             _ => {
                 let message = format!("there is no directive `#{}`", name.text);
-                self.report(Diagnostic::error("unknown-directive", name.span, message));
+                self.report(Diagnostic::error(Code::UnknownDirective, name.span, message));
             }
         }
         self.finish_line();
@@ -173,14 +174,18 @@ impl<'a> Preprocessor<'a> {
             if given && !before.same_as(&definition) {
                 // What the command line defines stands: that is what it is given for.
                 let message = format!("macro `{}` keeps the text given with `-D`", name.text);
-                self.diagnostics.push(Diagnostic::warning("macro-redefined", name.span, message));
+                self.diagnostics.push(Diagnostic::warning(
+                    Code::MacroRedefined,
+                    name.span,
+                    message,
+                ));
             }
             if given {
                 return lexer;
             }
             if !before.same_as(&definition) {
                 let message = format!("macro `{}` is defined again with another text", name.text);
-                let warning = Diagnostic::warning("macro-redefined", name.span, message)
+                let warning = Diagnostic::warning(Code::MacroRedefined, name.span, message)
                     .with_label(before.span, "defined before here");
                 self.diagnostics.push(warning);
             }
@@ -212,7 +217,7 @@ impl<'a> Preprocessor<'a> {
             Ok(holds) => holds,
             Err(problem) => {
                 let message = format!("the condition {}", problem.message);
-                self.report(Diagnostic::error("condition", problem.span, message));
+                self.report(Diagnostic::error(Code::Condition, problem.span, message));
                 false
             }
         }
@@ -274,7 +279,7 @@ impl<'a> Preprocessor<'a> {
             let message = format!("`{name}` is no macro: the condition takes it for 0");
             let help =
                 format!("write `defined({name}) && {name}`, or define it with `-D {name}=N`");
-            let found = Diagnostic::warning("undefined-macro", *span, message).with_help(help);
+            let found = Diagnostic::warning(Code::UndefinedMacro, *span, message).with_help(help);
             if self.version.es {
                 let message = format!("`{name}` is no macro, which GLSL ES has no value for");
                 self.report(Diagnostic { severity: crate::Severity::Error, message, ..found });
@@ -319,7 +324,7 @@ impl<'a> Preprocessor<'a> {
                     if open.in_else {
                         let message = format!("`#{}` after `#else`", name.text);
                         self.report(
-                            Diagnostic::error("unmatched-directive", name.span, message)
+                            Diagnostic::error(Code::UnmatchedDirective, name.span, message)
                                 .with_label(open.span, "of this condition"),
                         );
                     }
@@ -343,7 +348,7 @@ impl<'a> Preprocessor<'a> {
         while self.in_condition() {
             if let Some(open) = self.conditions.pop() {
                 let message = "`#if` without `#endif`";
-                self.report(Diagnostic::error("unmatched-directive", open.span, message));
+                self.report(Diagnostic::error(Code::UnmatchedDirective, open.span, message));
             }
         }
     }
@@ -356,13 +361,13 @@ impl<'a> Preprocessor<'a> {
         let number = line.first().and_then(|t| t.text.parse::<u32>().ok());
         let Some(number) = number else {
             let message = "`#version` lacks its number";
-            self.report(Diagnostic::error("version", name.span, message));
+            self.report(Diagnostic::error(Code::Version, name.span, message));
             return;
         };
         let known = VERSIONS.iter().find(|row| row.0 == number);
         if known.is_none() {
             let message = format!("there is no GLSL version {number}");
-            let warning = Diagnostic::warning("version", line[0].span, message);
+            let warning = Diagnostic::warning(Code::Version, line[0].span, message);
             self.diagnostics.push(warning.with_note("read as the newest version, 460"));
         }
         let es = known.is_some_and(|row| row.1) || line.get(1).is_some_and(|t| t.is("es"));

@@ -1,6 +1,7 @@
 //! `#include`: quoted and angled, as `GL_GOOGLE_include_directive` and
 //! `GL_ARB_shading_language_include` spell it.
 
+use crate::diagnostic::Code;
 use std::path::{Path, PathBuf};
 
 use super::lexer::{Kind, Lexer, Token};
@@ -20,13 +21,13 @@ impl<'a> Preprocessor<'a> {
         let rest = self.rest_of_line();
         let Some((name, angled)) = self.header_name(rest) else {
             let message = "`#include` wants `\"FILE\"` or `<FILE>`";
-            return self.report(Diagnostic::error("include", directive.span, message));
+            return self.report(Diagnostic::error(Code::Include, directive.span, message));
         };
         let span =
             Span { end: directive.span.end + rest.trim_end().len() as u32, ..directive.span };
         if let Some(cycle) = self.cycle_past_bound() {
             self.report(
-                Diagnostic::error("cyclic-include", span, format!("`{name}` includes itself"))
+                Diagnostic::error(Code::CyclicInclude, span, format!("`{name}` includes itself"))
                     .with_note(cycle)
                     .with_help("guard the file with `#ifndef NAME`, `#define NAME`, `#endif`"),
             );
@@ -36,7 +37,7 @@ impl<'a> Preprocessor<'a> {
         let (places, found) = self.find(name, angled, span.file);
         let Some(path) = found else {
             let mut diagnostic =
-                Diagnostic::error("missing-include", span, format!("`{name}` is not found"));
+                Diagnostic::error(Code::MissingInclude, span, format!("`{name}` is not found"));
             for place in places {
                 diagnostic = diagnostic.with_note(format!("looked for `{}`", place.display()));
             }
@@ -47,7 +48,7 @@ impl<'a> Preprocessor<'a> {
                 self.included_bytes += text.len();
                 if self.included_bytes > MOST_INCLUDED {
                     let message = format!("includes add more than {MOST_INCLUDED} bytes");
-                    self.report(Diagnostic::error("include-bomb", span, message));
+                    self.report(Diagnostic::error(Code::IncludeBomb, span, message));
                     self.stopped = true;
                     return;
                 }
@@ -59,7 +60,7 @@ impl<'a> Preprocessor<'a> {
             }
             Err(error) => {
                 let message = format!("`{name}` {}", error.message);
-                self.report(Diagnostic::error("include", span, message));
+                self.report(Diagnostic::error(Code::Include, span, message));
             }
         }
     }

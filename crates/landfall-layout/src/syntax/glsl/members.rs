@@ -3,6 +3,7 @@
 
 mod resolve;
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
@@ -50,7 +51,7 @@ impl<'a> Reader<'a> {
         }
         if read.members.is_empty() && read.opaque.is_empty() && read.problems.is_empty() {
             let message = "a structure has at least one member";
-            read.problems.push(diagnostic_at(&name, "empty-struct", message));
+            read.problems.push(diagnostic_at(&name, Code::EmptyStruct, message));
         }
         let named = if read.problems.is_empty() {
             let text = structure.name.text;
@@ -72,7 +73,7 @@ impl<'a> Reader<'a> {
         };
         if let Some(before) = before {
             let message = format!("structure `{}` is declared twice", name.text);
-            let diagnostic = diagnostic_at(&name, "duplicate-name", message);
+            let diagnostic = diagnostic_at(&name, Code::DuplicateName, message);
             self.report(diagnostic.with_label(before, "declared before here"));
         }
         self.types.insert(name.text, named);
@@ -111,7 +112,7 @@ impl<'a> Reader<'a> {
             // GLSL 4.60 §4.1.8: members of a structure take no layout qualifiers.
             let message = format!("`{}` does not go on a member of a structure", id.name.text);
             let token = self.parser.token_of(&id.name);
-            let diagnostic = diagnostic_at(&token, "layout-qualifier", message);
+            let diagnostic = diagnostic_at(&token, Code::LayoutQualifier, message);
             let help = format!("write it on the member of the block that is a `{}`", owner.text);
             result.problems.push(diagnostic.with_help(help));
         }
@@ -126,7 +127,7 @@ impl<'a> Reader<'a> {
             let name = &self.parser.token_of(name);
             if result.taken.contains(name.text) {
                 let message = format!("`{}` has two members named `{}`", owner.text, name.text);
-                result.problems.push(diagnostic_at(name, "duplicate-name", message));
+                result.problems.push(diagnostic_at(name, Code::DuplicateName, message));
                 continue;
             }
             let data = match (&resolved, place) {
@@ -192,7 +193,7 @@ impl<'a> Reader<'a> {
             let message = format!("`align = {}` is no power of two", written.value);
             let next = written.value.max(1).next_power_of_two();
             let name = self.parser.token_of(&id.name);
-            return Err(diagnostic_at(&name, "layout-qualifier", message)
+            return Err(diagnostic_at(&name, Code::LayoutQualifier, message)
                 .with_help(format!("write `align = {next}`")));
         }
         Ok(written)
@@ -214,7 +215,7 @@ impl<'a> Reader<'a> {
                 "`{}` nests structures and arrays {depth} deep, landfall takes {DEEPEST_NESTING}",
                 name.text
             );
-            return Err(diagnostic_at(name, "nested-too-deep", message));
+            return Err(diagnostic_at(name, Code::NestedTooDeep, message));
         }
         let mut ty = element;
         for (index, dim) in all.iter().enumerate().rev() {
@@ -233,7 +234,7 @@ impl<'a> Reader<'a> {
 
     fn unsized_array(&self, name: &Token<'a>, span: Span) -> Diagnostic {
         let message = format!("the size of array `{}` is not written", name.text);
-        Diagnostic::error("array-size", span, message)
+        Diagnostic::error(Code::ArraySize, span, message)
             .with_note("only the last member of a `buffer` block may be runtime-sized")
             .with_help("write the number of elements between the brackets")
     }
@@ -248,7 +249,7 @@ impl<'a> Reader<'a> {
         let first = tokens[0];
         let macros: Vec<_> = tokens.iter().filter_map(|t| Some((t.span, t.definition?))).collect();
         let fail = |span: Span, message: String| {
-            let diagnostic = Diagnostic::error("array-size", span, message);
+            let diagnostic = Diagnostic::error(Code::ArraySize, span, message);
             let found =
                 macros.iter().find(|(of, _)| *of == span).map(|(_, definition)| *definition);
             match found.or(first.definition) {
@@ -288,7 +289,7 @@ impl<'a> Reader<'a> {
             ty.text(),
             owner.text
         );
-        diagnostic_at(name, "opaque-in-block", message).with_help(format!(
+        diagnostic_at(name, Code::OpaqueInBlock, message).with_help(format!(
             "declare `uniform {} {};` outside the block",
             ty.text(),
             name.text

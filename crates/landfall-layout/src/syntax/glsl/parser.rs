@@ -12,6 +12,7 @@ mod recover;
 mod statement;
 mod syntax_error;
 
+use crate::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
 use super::ast::{Expr, Name, Precision, Precisions, Storage, Tokens};
@@ -199,7 +200,7 @@ impl<'a> Parser<'a> {
             self.tokens.push(token);
             if self.bodies == Bodies::Keep && self.tokens.len() == MOST_TOKENS {
                 let message = format!("the shader has more than {MOST_TOKENS} tokens");
-                preprocessor.report(Diagnostic::error("cannot-run", token.span, message));
+                preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
                 preprocessor.stopped = true;
             }
         }
@@ -354,7 +355,7 @@ impl<'a> Parser<'a> {
 /// A finding at a token, with the macro it came out of.
 pub(super) fn diagnostic_at(
     token: &Token<'_>,
-    code: &'static str,
+    code: Code,
     message: impl Into<String>,
 ) -> Diagnostic {
     let diagnostic = Diagnostic::error(code, token.span, message);

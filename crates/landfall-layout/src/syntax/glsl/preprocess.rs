@@ -5,6 +5,7 @@
 
 mod expand;
 
+use crate::diagnostic::Code;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -185,7 +186,7 @@ impl<'a> Preprocessor<'a> {
         let bytes = if count == 1 { "1 byte is".to_string() } else { format!("{count} bytes are") };
         let message = format!("{bytes} not UTF-8 and read as Latin-1");
         self.diagnostics.push(
-            Diagnostic::warning("not-utf8", span, message)
+            Diagnostic::warning(Code::NotUtf8, span, message)
                 .with_note("GLSL takes any byte in a comment, but not outside"),
         );
     }
@@ -244,7 +245,7 @@ impl<'a> Preprocessor<'a> {
         };
         if let Some(span) = open {
             let message = "`/*` is never closed";
-            self.report(Diagnostic::error("unclosed-comment", span, message));
+            self.report(Diagnostic::error(Code::UnclosedComment, span, message));
         }
         if let Some(Frame::File { lexer, .. }) = self.frames.last() {
             if lexer.is_spliced() && !self.has_continuations() {
@@ -277,7 +278,7 @@ impl<'a> Preprocessor<'a> {
         let number = self.version.number;
         let message = "a backslash continues this comment on the next line";
         self.diagnostics.push(
-            Diagnostic::warning("line-continuation", comment, message)
+            Diagnostic::warning(Code::LineContinuation, comment, message)
                 .with_note(format!(
                     "version {number} has no line continuation: Mesa's compiler reads it so, \
                      glslang's reads the next line as code"

@@ -10,6 +10,7 @@ use super::outline::Item;
 use super::reader::Reader;
 use super::report;
 use super::report::Refused;
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::Written;
 use crate::source::Span;
@@ -90,13 +91,13 @@ fn argument<'a>(
         None => {
             let text = reader.slice(span);
             let message = format!("`@{name}` must be a whole number from 0, `{text}` is none");
-            Err(reader.reports.refuse(Diagnostic::error("invalid-attribute", span, message)))
+            Err(reader.reports.refuse(Diagnostic::error(Code::InvalidAttribute, span, message)))
         }
     }
 }
 
 fn refuse(reader: &mut Reader<'_>, trouble: Trouble, at: Span, name: &str) -> Refused {
-    constants::refuse(reader, trouble, at, "invalid-attribute", &format!("`@{name}`"))
+    constants::refuse(reader, trouble, at, Code::InvalidAttribute, &format!("`@{name}`"))
 }
 
 /// `(…)` of an attribute that says nothing about layouts.

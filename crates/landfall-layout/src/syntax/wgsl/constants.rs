@@ -10,6 +10,7 @@ use super::report::Refused;
 use super::types;
 use super::types::Meaning;
 use super::{attributes, numbers};
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{Scalar, ScalarKind, Type};
 use crate::source::Span;
@@ -47,7 +48,7 @@ pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outco
             let item = &reader.outline.items[index];
             let message = format!("`{}` depends on its own value", item.name);
             reader.reports.push(
-                Diagnostic::error("recursive-constant", at, message)
+                Diagnostic::error(Code::RecursiveConstant, at, message)
                     .with_label(item.name_span, "defined here"),
             );
             return Err(Trouble::Refused);
@@ -113,7 +114,7 @@ fn override_value(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refu
             Some(value) => typed(Ok(value), kind, item.name_span),
             None => {
                 let message = format!("`{}` is set to `{text}`, which is no number", item.name);
-                let diagnostic = Diagnostic::error("override-value", item.name_span, message)
+                let diagnostic = Diagnostic::error(Code::OverrideValue, item.name_span, message)
                     .with_help(format!("pass `-O {}=4`, or another number", item.name));
                 return Err(reader.reports.refuse(diagnostic));
             }
@@ -207,7 +208,7 @@ pub(super) fn refuse(
     reader: &mut Reader<'_>,
     trouble: Trouble,
     at: Span,
-    code: &'static str,
+    code: Code,
     what: &str,
 ) -> Refused {
     let text = reader.slice(at);
@@ -221,7 +222,7 @@ pub(super) fn refuse(
         Trouble::Unknown(place) => {
             let name = reader.slice(place);
             let diagnostic =
-                Diagnostic::error("unknown-name", place, format!("`{name}` is not defined"));
+                Diagnostic::error(Code::UnknownName, place, format!("`{name}` is not defined"));
             let known = reader.outline.items.iter().filter(|item| match item.class {
                 Class::Const | Class::Override => true,
                 Class::Struct | Class::Alias | Class::Var | Class::Fn => false,

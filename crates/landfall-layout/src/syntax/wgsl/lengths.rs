@@ -1,5 +1,6 @@
 //! Array lengths: `N` of `array<E, N>`.
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use super::constants::Trouble;
@@ -45,7 +46,7 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
     };
     let Some(count) = count else {
         let message = format!("an array length must be a whole number, `{text}` is none");
-        return Err(reader.reports.refuse(Diagnostic::error("array-size", at, message)));
+        return Err(reader.reports.refuse(Diagnostic::error(Code::ArraySize, at, message)));
     };
     let shown = || match text == count.to_string() {
         true => format!("`{text}`"),
@@ -55,18 +56,18 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
         Ok(0) | Err(_) if count < 1 => {
             let message =
                 format!("an array must have at least 1 element, this one has {}", shown());
-            let diagnostic = Diagnostic::error("array-size", at, message);
+            let diagnostic = Diagnostic::error(Code::ArraySize, at, message);
             let help = "write `array<T>` for as many as the buffer holds, or a length of 1 or more";
             Err(reader.reports.refuse(diagnostic.with_help(help)))
         }
         Ok(count) => Ok(Length { len: ArrayLen::Fixed(count), waits_for: None, overridden }),
         Err(_) => {
             let message = format!("an array has at most {} elements, not {}", u32::MAX, shown());
-            Err(reader.reports.refuse(Diagnostic::error("array-size", at, message)))
+            Err(reader.reports.refuse(Diagnostic::error(Code::ArraySize, at, message)))
         }
     }
 }
 
 fn refuse(reader: &mut Reader<'_>, trouble: Trouble, at: Span) -> Refused {
-    constants::refuse(reader, trouble, at, "array-size", "an array length")
+    constants::refuse(reader, trouble, at, Code::ArraySize, "an array length")
 }

@@ -1,6 +1,7 @@
 //! The findings about WGSL text, and the words they are put in.
 
 use super::lexer::{Kind, Lexer, Token};
+use crate::diagnostic::Code;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::Span;
 
@@ -58,7 +59,7 @@ pub(super) fn unexpected(lexer: &Lexer<'_>, token: Token, expected: &str) -> Dia
         Kind::Word | Kind::Number | Kind::Sign(_) => format!("`{}`", lexer.text_of(token)),
     };
     let message = format!("expected {expected}, found {found}");
-    let diagnostic = Diagnostic::error("syntax", span(token), message);
+    let diagnostic = Diagnostic::error(Code::Syntax, span(token), message);
     match (token.kind, expected) {
         (Kind::Sign(b'#'), _) => preprocessor(lexer, token),
         (_, "`;`") => diagnostic.with_help("write `;` after the declaration before it"),
@@ -69,28 +70,28 @@ pub(super) fn unexpected(lexer: &Lexer<'_>, token: Token, expected: &str) -> Dia
 
 pub(super) fn bad_number(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
     let message = format!("`{}` is no number WGSL can hold", lexer.text_of(token));
-    Diagnostic::error("syntax", span(token), message)
+    Diagnostic::error(Code::Syntax, span(token), message)
 }
 
 pub(super) fn unclosed_comment(start: u32) -> Diagnostic {
     let span = Span { file: 0, start, end: start + 2 };
-    Diagnostic::error("unclosed-comment", span, "this comment has no end")
+    Diagnostic::error(Code::UnclosedComment, span, "this comment has no end")
         .with_note("block comments nest in WGSL: every `/*` in it wants its own `*/`")
         .with_help("write `*/` where it ends")
 }
 
 pub(super) fn unclosed_brace(name: &str, open: Span) -> Diagnostic {
-    Diagnostic::error("unclosed-brace", open, format!("`{name}` has a `{{` without its `}}`"))
+    Diagnostic::error(Code::UnclosedBrace, open, format!("`{name}` has a `{{` without its `}}`"))
         .with_help(format!("write `}}` at the end of `{name}`"))
 }
 
 pub(super) fn bracket_attribute(token: Token) -> Diagnostic {
-    Diagnostic::error("syntax", span(token), "attributes in `[[…]]` are no longer WGSL")
+    Diagnostic::error(Code::Syntax, span(token), "attributes in `[[…]]` are no longer WGSL")
         .with_help("write `@group(0) @binding(0)` for `[[group(0), binding(0)]]`")
 }
 
 pub(super) fn module_let(token: Token) -> Diagnostic {
-    Diagnostic::error("syntax", span(token), "`let` stands inside functions only")
+    Diagnostic::error(Code::Syntax, span(token), "`let` stands inside functions only")
         .with_help("write `const`")
 }
 
@@ -106,19 +107,19 @@ pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
         Kind::Word | Kind::Number | Kind::End => (format!("@{word}"), "WESL"),
     };
     let span = Span { file: 0, start: token.start, end };
-    Diagnostic::error("preprocessor", span, format!("`{shown}` is not WGSL but {tool}"))
+    Diagnostic::error(Code::Preprocessor, span, format!("`{shown}` is not WGSL but {tool}"))
         .with_note("which declarations count is known only after this text is composed")
         .with_help(format!("compose the shader with {tool} first, and lay out what comes out"))
 }
 
 pub(super) fn duplicate(name: &str, again: Span, first: Span) -> Diagnostic {
-    Diagnostic::error("duplicate-name", again, format!("`{name}` is defined twice"))
+    Diagnostic::error(Code::DuplicateName, again, format!("`{name}` is defined twice"))
         .with_label(first, "first defined here")
         .with_help("rename or remove one of them")
 }
 
 pub(super) fn too_deep(at: Span) -> Diagnostic {
-    Diagnostic::error("nested-too-deep", at, "types and expressions nest too deep here")
+    Diagnostic::error(Code::NestedTooDeep, at, "types and expressions nest too deep here")
         .with_note("landfall follows some hundred levels, so as not to run out of stack")
 }
 

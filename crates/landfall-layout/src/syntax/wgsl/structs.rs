@@ -1,5 +1,6 @@
 //! Structure declarations (§6.2.10) to [`Struct`].
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use super::lexer::{Kind, Lexer, Token};
@@ -50,7 +51,7 @@ pub(super) fn read(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refus
     }
     if body.members.is_empty() && body.opaque.is_empty() {
         let message = format!("`{}` has no members, WGSL wants at least one", item.name);
-        let diagnostic = Diagnostic::error("empty-struct", item.name_span, message);
+        let diagnostic = Diagnostic::error(Code::EmptyStruct, item.name_span, message);
         return Err(reader.reports.refuse(diagnostic.with_help("add a member")));
     }
     let made = Struct::new(Arc::from(item.name), body.members, body.opaque, item.name_span);
@@ -140,8 +141,12 @@ fn member_end<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<u32,
         Kind::Sign(b';') => {
             lexer.next();
             reader.reports.push(
-                Diagnostic::error("syntax", report::span(next), "members end in `,`, not in `;`")
-                    .with_help("write `,`"),
+                Diagnostic::error(
+                    Code::Syntax,
+                    report::span(next),
+                    "members end in `,`, not in `;`",
+                )
+                .with_help("write `,`"),
             );
             Ok(next.end)
         }
@@ -181,12 +186,12 @@ fn breaks_after(lexer: &Lexer<'_>, token: Token) -> bool {
 fn not_last(members: &[Member], runtime: Span) -> Diagnostic {
     let name = members.last().map_or("", |member| &member.name);
     let message = format!("`{name}` is runtime-sized, but it is not the last member");
-    Diagnostic::error("runtime-sized-array", runtime, message)
+    Diagnostic::error(Code::RuntimeSizedArray, runtime, message)
 }
 
 fn nested_runtime(inner: &str, at: Span, runtime: Span) -> Diagnostic {
     let message = format!("`{inner}` ends in a runtime-sized array, so it cannot be a member");
-    Diagnostic::error("runtime-sized-array", at, message).with_label(runtime, "runtime-sized")
+    Diagnostic::error(Code::RuntimeSizedArray, at, message).with_label(runtime, "runtime-sized")
 }
 
 /// naga's predeclared `RayDesc`.

@@ -1,5 +1,6 @@
 //! Type expressions of WGSL (§6) to [`Type`].
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use super::lengths;
@@ -133,7 +134,7 @@ pub(super) fn named<'a>(
             let scalar = component(reader, lexer, word, scalar)?;
             if scalar.kind != ScalarKind::Float {
                 let message = format!("`{name}` has floating-point components only");
-                let diagnostic = Diagnostic::error("unknown-type", at, message);
+                let diagnostic = Diagnostic::error(Code::UnknownType, at, message);
                 return Err(reader.reports.refuse(diagnostic.with_help("write `f32`")));
             }
             Ok(Typed::scalars(Type::Matrix { scalar, columns, rows }, scalar, at))
@@ -174,7 +175,7 @@ fn declared(reader: &mut Reader<'_>, index: usize, at: Span) -> Result<Typed, Re
         Class::Alias => alias,
         Class::Const | Class::Override | Class::Var | Class::Fn => {
             let message = format!("`{}` is {}, not a type", item.name, item.class.described());
-            let diagnostic = Diagnostic::error("unknown-type", at, message)
+            let diagnostic = Diagnostic::error(Code::UnknownType, at, message)
                 .with_label(item.name_span, "defined here");
             return Err(reader.reports.refuse(diagnostic));
         }
@@ -211,7 +212,7 @@ fn component<'a>(
     let name = lexer.text_of(word);
     if !lexer.take(b'<') {
         let message = format!("`{name}` does not say its component type");
-        let diagnostic = Diagnostic::error("unknown-type", report::span(word), message)
+        let diagnostic = Diagnostic::error(Code::UnknownType, report::span(word), message)
             .with_help(format!("write `{name}<f32>`"));
         return Err(reader.reports.refuse(diagnostic));
     }
@@ -222,7 +223,7 @@ fn component<'a>(
         Meaning::Data(Type::Scalar(scalar)) => Ok(scalar),
         Meaning::Data(_) | Meaning::Opaque | Meaning::Bindings(..) => {
             let message = format!("the component of a `{name}` must be a scalar");
-            Err(reader.reports.refuse(Diagnostic::error("unknown-type", at, message)))
+            Err(reader.reports.refuse(Diagnostic::error(Code::UnknownType, at, message)))
         }
     }
 }
@@ -239,7 +240,7 @@ fn array<'a>(
     if let Some(runtime) = facts.runtime {
         let message = "the elements of an array must have a size, and this type has none";
         let help = runtime.help(reader, "give the inner array a number of elements");
-        let diagnostic = Diagnostic::error("runtime-sized-array", element_at, message)
+        let diagnostic = Diagnostic::error(Code::RuntimeSizedArray, element_at, message)
             .with_label(runtime.at, "runtime-sized")
             .with_help(help);
         return Err(reader.reports.refuse(diagnostic));
@@ -274,7 +275,7 @@ fn element_and_length<'a>(
     if !lexer.take(b'<') {
         let name = lexer.text_of(word);
         let message = format!("`{name}` does not say its element type");
-        let diagnostic = Diagnostic::error("unknown-type", report::span(word), message)
+        let diagnostic = Diagnostic::error(Code::UnknownType, report::span(word), message)
             .with_help(format!("write `{name}<f32, 4>`"));
         return Err(reader.reports.refuse(diagnostic));
     }
@@ -326,7 +327,7 @@ fn skip_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(
 }
 
 fn unknown(reader: &mut Reader<'_>, name: &str, at: Span) -> Refused {
-    let diagnostic = Diagnostic::error("unknown-type", at, format!("there is no type `{name}`"));
+    let diagnostic = Diagnostic::error(Code::UnknownType, at, format!("there is no type `{name}`"));
     let declared = reader.outline.items.iter().filter(|item| match item.class {
         Class::Struct | Class::Alias => true,
         Class::Const | Class::Override | Class::Var | Class::Fn => false,
@@ -360,7 +361,7 @@ fn recursive(reader: &mut Reader<'_>, index: usize, at: Span) -> Refused {
     let item = &reader.outline.items[index];
     let message = format!("`{}` contains itself", item.name);
     reader.reports.refuse(
-        Diagnostic::error("recursive-struct", at, message)
+        Diagnostic::error(Code::RecursiveStruct, at, message)
             .with_label(item.name_span, "defined here")
             .with_help("hold an index into an array of them instead"),
     )

@@ -1,5 +1,6 @@
 //! Module-scope variables (§7.3) to [`Block`].
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use super::attributes;
@@ -101,7 +102,7 @@ fn address_space(
         _ => {
             let message = format!("there is no address space named `{name}`");
             let known = ["uniform", "storage", "immediate"].into_iter().chain(NO_BUFFER);
-            let diagnostic = Diagnostic::error("unknown-address-space", at, message);
+            let diagnostic = Diagnostic::error(Code::UnknownAddressSpace, at, message);
             Err(reader.reports.refuse(report::misspelt(diagnostic, name, known)))
         }
     }
@@ -121,7 +122,7 @@ fn check(
         refused = true;
         reader.reports.push(
             Diagnostic::error(
-                "not-host-shareable",
+                Code::NotHostShareable,
                 at,
                 format!("`{name}` holds a bool, which is not host-shareable"),
             )
@@ -137,7 +138,7 @@ fn check(
         refused = true;
         reader.reports.push(
             Diagnostic::error(
-                "not-host-shareable",
+                Code::NotHostShareable,
                 at,
                 format!("`{name}` holds an atomic, which cannot be in {} memory", space.name()),
             )
@@ -151,7 +152,7 @@ fn check(
         let help = runtime.help(reader, help);
         reader.reports.push(
             Diagnostic::error(
-                "runtime-sized-array",
+                Code::RuntimeSizedArray,
                 runtime.at,
                 format!("`{name}` is runtime-sized, which {} memory cannot be", space.name()),
             )
@@ -162,7 +163,7 @@ fn check(
     if let (Some(at), false, false) = (facts.half, reader.outline.f16, reader.warned_f16) {
         reader.warned_f16 = true;
         reader.reports.push(
-            Diagnostic::warning("f16-not-enabled", at, "`f16` is used but not enabled")
+            Diagnostic::warning(Code::F16NotEnabled, at, "`f16` is used but not enabled")
                 .with_help("write `enable f16;` as the first line"),
         );
     }
@@ -181,7 +182,7 @@ fn override_sized(item: &Item<'_>, at: Span) -> Diagnostic {
         "`{}` is sized by an override, which WGSL allows in workgroup memory only",
         item.name
     );
-    Diagnostic::warning("override-sized-array", at, message)
+    Diagnostic::warning(Code::OverrideSizedArray, at, message)
         .with_label(item.name_span, "in this buffer")
         .with_note("the layout is the one that the override's present value gives")
         .with_help("size it by a `const`, or leave the length out")
@@ -189,7 +190,7 @@ fn override_sized(item: &Item<'_>, at: Span) -> Diagnostic {
 
 fn opaque(item: &Item<'_>, at: Span, type_at: Span) -> Diagnostic {
     let message = format!("`{}` holds a texture, sampler or pointer: it has no bytes", item.name);
-    let diagnostic = Diagnostic::error("not-host-shareable", at, message);
+    let diagnostic = Diagnostic::error(Code::NotHostShareable, at, message);
     if at == type_at {
         diagnostic.with_help("declare it as a variable without an address space")
     } else {

@@ -5,6 +5,7 @@
 //! with, values like those of published scenes within the domain. Feeds the workloads of
 //! [`called`](super::called).
 
+use landfall_layout::diagnostic::Code;
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
@@ -183,5 +184,5 @@ impl Kinds {
 }
 
 fn finding(message: String, about: &str) -> Diagnostic {
-    Diagnostic::about("cannot-bench", message, None, about)
+    Diagnostic::about(Code::CannotBench, message, None, about)
 }

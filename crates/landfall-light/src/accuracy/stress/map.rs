@@ -17,6 +17,7 @@ use super::scene::{Geometry, Setting};
 use crate::accuracy::plot::{Axis, Cell, HeatMap, heat_map};
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::Pure;
+use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
@@ -68,7 +69,7 @@ pub fn error_map(
             );
             let help = near.map(|near| format!("did you mean `{near}`?"));
             refused(Diagnostic::about(
-                "unknown-input",
+                Code::UnknownInput,
                 format!("the function reads no float `{path}`"),
                 help,
                 about,
@@ -78,7 +79,7 @@ pub fn error_map(
     let (x, y) = (scalar(&map.x, "--map-x")?, scalar(&map.y, "--map-y")?);
     if x == y {
         let message = format!("`{}` cannot be both axes of a map", map.x);
-        return Err(refused(Diagnostic::about("bad-request", message, None, "--map-y")));
+        return Err(refused(Diagnostic::about(Code::BadRequest, message, None, "--map-y")));
     }
     let plan = Plan {
         samples: 0,

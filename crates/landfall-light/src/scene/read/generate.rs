@@ -6,6 +6,7 @@ use super::walk::{At, Object as Members, Walk};
 use crate::scene::{
     Attenuation, Generate, Material, Object, PointLight, RandomCubes, RandomLights, generate,
 };
+use landfall_layout::diagnostic::Code;
 
 /// Most lamps, and most cubes.
 const MOST: u32 = 1 << 16;
@@ -69,7 +70,7 @@ fn lights(walk: &mut Walk, at: &At<'_>) -> Option<RandomLights> {
 fn rows(walk: &mut Walk, at: &At<'_>) -> Option<Vec<Attenuation>> {
     let items = walk.list(at)?;
     if items.is_empty() {
-        walk.error("wrong-count", at, "names no row of the table of attenuations");
+        walk.error(Code::WrongCount, at, "names no row of the table of attenuations");
         return None;
     }
     let rows: Vec<Option<Attenuation>> = items.iter().map(|at| by_distance(walk, at)).collect();
@@ -106,7 +107,7 @@ fn ordered(
         return Some([low, high]);
     }
     let at = object.get(key)?;
-    walk.error("value-out-of-range", &at, format!("is upside down: from {low} to {high}")).help =
+    walk.error(Code::ValueOutOfRange, &at, format!("is upside down: from {low} to {high}")).help =
         Some(format!("write `[{high}, {low}]`"));
     None
 }

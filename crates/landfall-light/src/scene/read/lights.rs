@@ -1,6 +1,7 @@
 //! The lights of a scene: what they send, how it weakens, and how wide a cone is.
 
 use glam::DVec3;
+use landfall_layout::diagnostic::Code;
 
 use super::walk::{At, Object, Walk, tidy};
 use crate::scene::{
@@ -66,7 +67,11 @@ fn ambient(walk: &mut Walk, at: &At<'_>) -> Option<Ambient> {
 
 fn intensity(walk: &mut Walk, object: &Object<'_>) -> Option<f64> {
     let Some(at) = object.get("intensity") else { return Some(1.0) };
-    walk.not_negative(&at, "negative-color", "light is never taken away, an intensity is 0 or more")
+    walk.not_negative(
+        &at,
+        Code::NegativeColor,
+        "light is never taken away, an intensity is 0 or more",
+    )
 }
 
 fn directional(walk: &mut Walk, at: &At<'_>) -> Option<DirectionalLight> {
@@ -97,20 +102,24 @@ fn emission(walk: &mut Walk, object: &Object<'_>) -> Option<Emission> {
     let (color, ambient, diffuse, specular) = (color?, ambient?, diffuse?, specular?);
     let intensity = intensity?;
     let Some(first) = color.or(diffuse) else {
-        walk.error("missing-member", &object.at, "says nothing of what it sends").help = Some(
+        walk.error(Code::MissingMember, &object.at, "says nothing of what it sends").help = Some(
             "give `color` and `intensity`, or `ambient`, `diffuse` and `specular`".to_string(),
         );
         return None;
     };
     if let (None, Some(at)) = (color, object.get("intensity")) {
-        walk.error("wrong-value", &at, "is of no colour: it is what `color` is multiplied with")
-            .help = Some("give `color` too, or leave `intensity` out".to_string());
+        walk.error(
+            Code::WrongValue,
+            &at,
+            "is of no colour: it is what `color` is multiplied with",
+        )
+        .help = Some("give `color` too, or leave `intensity` out".to_string());
         return None;
     }
     let sent = color.map_or(first, |color| color * intensity);
     if !sent.as_vec3().is_finite() {
         let what = "is brighter than any `f32`: its colour times its intensity is above 3.4e38";
-        walk.error("value-out-of-range", &object.at, what);
+        walk.error(Code::ValueOutOfRange, &object.at, what);
         return None;
     }
     let diffuse = diffuse.unwrap_or(sent);
@@ -146,7 +155,7 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     if let Some(distance) = object.get("distance") {
         if object.keys().count() > 1 {
             let what = "stands for all three coefficients, but some are given as well";
-            walk.error("given-twice", &distance, what).help =
+            walk.error(Code::GivenTwice, &distance, what).help =
                 Some("keep either `distance` or the coefficients".to_string());
             return None;
         }
@@ -155,7 +164,7 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     let mut coefficient = |key, default| {
         let Some(at) = object.get(key) else { return Some(default) };
         let why = "with a negative coefficient light grows without end at some distance";
-        walk.not_negative(&at, "negative-attenuation", why)
+        walk.not_negative(&at, Code::NegativeAttenuation, why)
     };
     let constant = coefficient("constant", 1.0);
     let linear = coefficient("linear", 0.0);
@@ -164,7 +173,7 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
         Attenuation { constant: constant?, linear: linear?, quadratic: quadratic?, range: None };
     let none = |number: f64| number as f32 == 0.0;
     if none(found.constant) && none(found.linear) && none(found.quadratic) {
-        walk.error("zero-attenuation", at, "divides by zero at every distance").help =
+        walk.error(Code::ZeroAttenuation, at, "divides by zero at every distance").help =
             Some("give `\"constant\": 1` for a light that does not weaken".to_string());
         return None;
     }
@@ -183,7 +192,7 @@ fn alone(walk: &mut Walk, at: &At<'_>, constant: f64) {
         "is {constant} and stands alone: at every distance the light is {} times as bright",
         tidy(1.0 / constant)
     );
-    walk.warning("lone-constant", at, what).help = Some(
+    walk.warning(Code::LoneConstant, at, what).help = Some(
         "give `linear` and `quadratic` too; what only brightens or dims is `intensity`".to_string(),
     );
 }
@@ -197,7 +206,7 @@ pub(super) fn by_distance(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     }
     let rows = OGRE.map(|row| row[0].to_string()).join(", ");
     let what = format!("is {distance}, for which the table of attenuations has no row");
-    walk.error("wrong-value", at, what).help =
+    walk.error(Code::WrongValue, at, what).help =
         Some(format!("it has {rows}; or give `constant`, `linear` and `quadratic`"));
     None
 }
@@ -235,7 +244,7 @@ fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
             // What it has instead is unknown, and was told.
             (true, Some(_)) => return None,
         };
-        walk.error("wrong-cone", at, what).help = Some(
+        walk.error(Code::WrongCone, at, what).help = Some(
             "give `inner_degrees` and `outer_degrees`, or `inner_cos` and `outer_cos`, \
              or `half_degrees` for a hard edge"
                 .to_string(),
@@ -258,7 +267,7 @@ fn angle(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
         return Some(degrees);
     }
     let what = format!("is {degrees}: half of a cone's opening is from 0 to 180 degrees");
-    walk.error("value-out-of-range", at, what);
+    walk.error(Code::ValueOutOfRange, at, what);
     None
 }
 
@@ -273,13 +282,13 @@ fn degrees(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
                 "if these are cosines, write `\"inner_cos\": {inner}, \"outer_cos\": {outer}`"
             );
         }
-        walk.error("swapped-cone", at, what).help = Some(help);
+        walk.error(Code::SwappedCone, at, what).help = Some(help);
         return None;
     }
     wide_enough(walk, outer_at, outer)?;
     if inner == outer {
         walk.warning(
-            "hard-cone",
+            Code::HardCone,
             at,
             "has no ramp: a soft cone divides by its width, which is 0",
         )
@@ -309,14 +318,18 @@ fn wide_enough(walk: &mut Walk, at: &At<'_>, outer: f64) -> Option<()> {
     if outer > 0.0 {
         return Some(());
     }
-    walk.error("empty-cone", at, "is 0: a cone without width lights nothing but rounding errors");
+    walk.error(
+        Code::EmptyCone,
+        at,
+        "is 0: a cone without width lights nothing but rounding errors",
+    );
     None
 }
 
 fn narrow<'w>(walk: &'w mut Walk, at: &At<'_>, outer: f64) -> &'w mut landfall_layout::Diagnostic {
     let what =
         format!("is {outer} degrees: below 1 degree cosines in `f32` cannot tell a cone's edges");
-    walk.warning("narrow-cone", at, what)
+    walk.warning(Code::NarrowCone, at, what)
 }
 
 fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -> Option<Cone> {
@@ -327,7 +340,7 @@ fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
             "has its cosines swapped: the inner one, {inner}, is of a wider angle than the outer \
              one, {outer}"
         );
-        walk.error("swapped-cone", at, what).help = Some(format!(
+        walk.error(Code::SwappedCone, at, what).help = Some(format!(
             "write `\"inner_cos\": {outer}, \"outer_cos\": {inner}`; if these are radians, write \
              `\"inner_degrees\": {}, \"outer_degrees\": {}`",
             tidy(inner.to_degrees()),
@@ -337,7 +350,7 @@ fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
     }
     if outer as f32 >= 1.0 {
         walk.error(
-            "empty-cone",
+            Code::EmptyCone,
             outer_at,
             "is 1: a cone without width lights nothing but rounding errors",
         );
@@ -345,7 +358,7 @@ fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
     }
     if inner == outer {
         walk.warning(
-            "hard-cone",
+            Code::HardCone,
             at,
             "has no ramp: a soft cone divides by its width, which is 0",
         )
@@ -359,7 +372,7 @@ fn cosine(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     if (-1.0..=1.0).contains(&cosine) {
         return Some(cosine);
     }
-    let found = walk.error("wrong-unit", at, format!("is {cosine}: a cosine is from -1 to 1"));
+    let found = walk.error(Code::WrongUnit, at, format!("is {cosine}: a cosine is from -1 to 1"));
     if (1.0..=180.0).contains(&cosine) {
         let member = if at.path.ends_with("inner_cos") { "inner" } else { "outer" };
         found.help = Some(format!(

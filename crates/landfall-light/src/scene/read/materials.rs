@@ -1,5 +1,6 @@
 //! What surfaces are made of: colours, and small textures drawn in the scene or beside it.
 
+use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 
 use glam::DVec3;
@@ -24,7 +25,7 @@ pub(super) fn read(walk: &mut Walk, root: &Object<'_>, open: &Open<'_>) -> Optio
         };
         if let Some(first) = names.get(&material.name) {
             let what = format!("has the name of `{first}`: objects could not tell them apart");
-            walk.error("given-twice", &at, what);
+            walk.error(Code::GivenTwice, &at, what);
             whole = false;
         }
         names.insert(material.name.clone(), at.path.clone());
@@ -51,7 +52,7 @@ fn material(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Material> {
         None => Some(SHININESS),
     };
     let reflectance = match object.get("reflectance") {
-        Some(at) => walk.not_negative(&at, "value-out-of-range", "a reflectance is 0 or more"),
+        Some(at) => walk.not_negative(&at, Code::ValueOutOfRange, "a reflectance is 0 or more"),
         None => Some(1.0),
     };
     Some(Material {
@@ -66,10 +67,10 @@ fn material(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Material> {
 
 fn shininess(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     let why = "a negative power makes the highlight grow where there should be none";
-    let shininess = walk.not_negative(at, "value-out-of-range", why)?;
+    let shininess = walk.not_negative(at, Code::ValueOutOfRange, why)?;
     if shininess == 0.0 {
         let what = "is 0: away from the highlight that is 0 to the power of 0, which shaders leave undefined";
-        walk.warning("zero-shininess", at, what);
+        walk.warning(Code::ZeroShininess, at, what);
     }
     Some(shininess)
 }
@@ -95,7 +96,7 @@ fn texture(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Texture> {
         object.keys().filter(|key| matches!(*key, "checker" | "rows" | "png")).collect();
     let [kind] = given[..] else {
         let what = if given.is_empty() { "shows nothing" } else { "shows more than one image" };
-        walk.error("wrong-texture", at, what).help =
+        walk.error(Code::WrongTexture, at, what).help =
             Some("give one of `checker`, `rows` and `png`".to_string());
         return None;
     };
@@ -106,7 +107,7 @@ fn texture(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Texture> {
     };
     for (key, of) in others {
         if let Some(at) = object.get(key) {
-            walk.error("wrong-texture", &at, format!("belongs to `{of}`, not to `{kind}`"));
+            walk.error(Code::WrongTexture, &at, format!("belongs to `{of}`, not to `{kind}`"));
         }
     }
     let shown = object.get(kind)?;
@@ -146,12 +147,16 @@ fn rows(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
         let first = *width.get_or_insert(len);
         if len != first {
             let what = format!("is {len} texels long, but the first row {first}");
-            walk.error("wrong-count", at, what);
+            walk.error(Code::WrongCount, at, what);
             return None;
         }
         for letter in row.chars() {
             let Some(texel) = palette.get(&letter) else {
-                walk.error("wrong-texture", at, format!("has {letter:?}, which `palette` lacks"));
+                walk.error(
+                    Code::WrongTexture,
+                    at,
+                    format!("has {letter:?}, which `palette` lacks"),
+                );
                 return None;
             };
             texels.push(*texel);
@@ -159,7 +164,7 @@ fn rows(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
         fits(walk, at, texels.len() as u64)?;
     }
     if texels.is_empty() {
-        walk.error("wrong-count", at, "has no texel");
+        walk.error(Code::WrongCount, at, "has no texel");
         return None;
     }
     Some(([width.unwrap_or(0) as u32, rows.len() as u32], texels))
@@ -176,7 +181,7 @@ fn palette(walk: &mut Walk, object: &Object<'_>) -> Option<HashMap<char, [u8; 3]
         let entry = At { node, path: format!("{}.{}", at.path, short(key)) };
         let mut letters = key.chars();
         let (Some(letter), None) = (letters.next(), letters.next()) else {
-            walk.error("wrong-texture", &entry, "is of no single letter");
+            walk.error(Code::WrongTexture, &entry, "is of no single letter");
             return None;
         };
         palette.insert(letter, texel(walk, &entry)?);
@@ -195,7 +200,7 @@ fn fits(walk: &mut Walk, at: &At<'_>, texels: u64) -> Option<()> {
         return Some(());
     }
     let what = format!("makes {texels} texels, of which a texture has {MOST_PIXELS} at most");
-    walk.error("too-large", at, what);
+    walk.error(Code::TooLarge, at, what);
     None
 }
 
@@ -204,14 +209,14 @@ fn png(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Image> {
     let bytes = match open(name) {
         Ok(bytes) => bytes,
         Err(error) => {
-            walk.error("unreadable-file", at, error.message).help = error.help;
+            walk.error(Code::UnreadableFile, at, error.message).help = error.help;
             return None;
         }
     };
     match decode_png(&bytes) {
         Ok(image) => Some(image),
         Err(why) => {
-            walk.error("wrong-texture", at, format!("is no PNG that can be read: {why}"));
+            walk.error(Code::WrongTexture, at, format!("is no PNG that can be read: {why}"));
             None
         }
     }

@@ -1,5 +1,6 @@
 //! The objects of a scene: their meshes, where they are, what they are made of.
 
+use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -40,7 +41,7 @@ pub(super) fn read(
         }
         if triangles > MOST_TRIANGLES {
             let what = format!("is one too many: a scene has {MOST_TRIANGLES} triangles at most");
-            walk.error("too-large", &at, what);
+            walk.error(Code::TooLarge, &at, what);
             return None;
         }
     }
@@ -90,8 +91,11 @@ impl Reader<'_> {
         ];
         match &at.node.value {
             Value::Text(name) if name.to_ascii_lowercase().ends_with(".obj") => {
-                let found =
-                    walk.error("wrong-value", at, format!("is {:?}, which is a file", short(name)));
+                let found = walk.error(
+                    Code::WrongValue,
+                    at,
+                    format!("is {:?}, which is a file", short(name)),
+                );
                 found.help = Some(format!("write `{{\"obj\": {:?}}}`", short(name)));
                 None
             }
@@ -107,7 +111,7 @@ impl Reader<'_> {
     fn shaped(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
         let object = walk.object(at, &["plane", "sphere", "obj"])?;
         if object.keys().count() != 1 {
-            walk.error("wrong-value", at, "is not exactly one of `plane`, `sphere` and `obj`");
+            walk.error(Code::WrongValue, at, "is not exactly one of `plane`, `sphere` and `obj`");
             return None;
         }
         if let Some(at) = object.get("plane") {
@@ -144,7 +148,7 @@ impl Reader<'_> {
         let text = match (self.open)(name).and_then(|bytes| decode(name, bytes)) {
             Ok(text) => text,
             Err(error) => {
-                walk.error("unreadable-file", at, error.message).help = error.help;
+                walk.error(Code::UnreadableFile, at, error.message).help = error.help;
                 return None;
             }
         };
@@ -156,7 +160,8 @@ impl Reader<'_> {
         match read {
             Err(faults) => {
                 for fault in faults {
-                    let mut found = Diagnostic::error("wrong-mesh", span(&fault.at), fault.message);
+                    let mut found =
+                        Diagnostic::error(Code::WrongMesh, span(&fault.at), fault.message);
                     found.help = fault.help;
                     walk.push(found);
                 }
@@ -170,7 +175,7 @@ impl Reader<'_> {
                         read.flat,
                         read.triangles
                     );
-                    let found = Diagnostic::warning("mesh-without-normals", span(first), message);
+                    let found = Diagnostic::warning(Code::MeshWithoutNormals, span(first), message);
                     walk.push(
                         found.with_help(
                             "write the file with normals, as corners `position/uv/normal`",
@@ -190,7 +195,7 @@ fn near_enough(walk: &mut Walk, at: &At<'_>, object: &Object) -> Option<()> {
     if !corners.map(|vertex| vertex.position).any(out) {
         return Some(());
     }
-    walk.error("too-large", at, "has corners beyond 1e18, the square of which fits no `f32`");
+    walk.error(Code::TooLarge, at, "has corners beyond 1e18, the square of which fits no `f32`");
     None
 }
 
@@ -212,7 +217,7 @@ pub(super) fn material(
         }
         let what =
             format!("has no `material`, and the scene has {} to choose from", materials.len());
-        walk.error("missing-material", &object.at, what);
+        walk.error(Code::MissingMaterial, &object.at, what);
         return None;
     };
     let found = materials.iter().position(|material| material.name == name);
@@ -223,7 +228,7 @@ pub(super) fn material(
             None => "give a material of that name in `materials`".to_string(),
         };
         let what = format!("is {:?}, a material that the scene has not", short(name));
-        walk.error("missing-material", &at, what).help = Some(help);
+        walk.error(Code::MissingMaterial, &at, what).help = Some(help);
     }
     found
 }
@@ -259,7 +264,7 @@ fn scale(walk: &mut Walk, at: &At<'_>) -> Option<DVec3> {
     // Normals grow by what the mesh shrinks; below that their squares have no `f32`.
     if scale.abs().min_element() < 1e-18 || scale.abs().max_element() > 1e18 {
         let what = "flattens the mesh, or makes it larger than light can be computed for";
-        walk.error("value-out-of-range", &of, what).help =
+        walk.error(Code::ValueOutOfRange, &of, what).help =
             Some("scale by 1e-18 to 1e18 along each axis".to_string());
         return None;
     }

@@ -3,6 +3,7 @@
 //! What cannot be used is told and comes back as `None`, and the reader goes on, so that one
 //! reading tells everything.
 
+use landfall_layout::diagnostic::Code;
 use std::ops::RangeInclusive;
 
 use glam::DVec3;
@@ -62,23 +63,13 @@ pub(super) struct Walk {
 
 impl Walk {
     /// Tells what is wrong with a value; `what` is read after its path.
-    pub fn error(
-        &mut self,
-        code: &'static str,
-        at: &At<'_>,
-        what: impl AsRef<str>,
-    ) -> &mut Diagnostic {
+    pub fn error(&mut self, code: Code, at: &At<'_>, what: impl AsRef<str>) -> &mut Diagnostic {
         let message = format!("{} {}", at.name(), what.as_ref());
         self.push(Diagnostic::error(code, self.span(at), message))
     }
 
     /// Tells what is doubtful about a value.
-    pub fn warning(
-        &mut self,
-        code: &'static str,
-        at: &At<'_>,
-        what: impl AsRef<str>,
-    ) -> &mut Diagnostic {
+    pub fn warning(&mut self, code: Code, at: &At<'_>, what: impl AsRef<str>) -> &mut Diagnostic {
         let message = format!("{} {}", at.name(), what.as_ref());
         self.push(Diagnostic::warning(code, self.span(at), message))
     }
@@ -110,11 +101,15 @@ impl Walk {
         };
         if let Value::Text(text) = &at.node.value {
             if text.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
-                self.error("not-finite", at, format!("is {found}: nothing can be lit with that"));
+                self.error(
+                    Code::NotFinite,
+                    at,
+                    format!("is {found}: nothing can be lit with that"),
+                );
                 return;
             }
         }
-        self.error("wrong-value", at, format!("is {found}, but must be {wanted}"));
+        self.error(Code::WrongValue, at, format!("is {found}, but must be {wanted}"));
     }
 
     /// An object; members it should not have are told.
@@ -129,7 +124,7 @@ impl Walk {
             let end = start + key.len() + 2;
             let text_end = self.files.get(0).map_or(end, |file| file.text.len());
             let mut found =
-                Diagnostic::error("unknown-member", span(*start, end.min(text_end)), message);
+                Diagnostic::error(Code::UnknownMember, span(*start, end.min(text_end)), message);
             found.help = Some(match nearest(key, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("it has {}", list(known)),
@@ -143,7 +138,7 @@ impl Walk {
     pub fn needed<'n>(&mut self, object: &Object<'n>, key: &str) -> Option<At<'n>> {
         let found = object.get(key);
         if found.is_none() {
-            self.error("missing-member", &object.at, format!("has no `{key}`"));
+            self.error(Code::MissingMember, &object.at, format!("has no `{key}`"));
         }
         found
     }
@@ -164,7 +159,7 @@ impl Walk {
             Ok(items) => Some(items),
             Err(items) => {
                 let what = format!("is a list of {}, but must be one of {N}", items.len());
-                self.error("wrong-count", at, what);
+                self.error(Code::WrongCount, at, what);
                 None
             }
         }
@@ -181,7 +176,7 @@ impl Walk {
             return Some(number);
         }
         let what = format!("is {}, which no `f32` can hold: the largest is 3.4e38", short(written));
-        self.error("value-out-of-range", at, what);
+        self.error(Code::ValueOutOfRange, at, what);
         None
     }
 
@@ -191,12 +186,12 @@ impl Walk {
         if number as f32 > 0.0 {
             return Some(number);
         }
-        self.error("value-out-of-range", at, format!("is {number}, but must be above 0"));
+        self.error(Code::ValueOutOfRange, at, format!("is {number}, but must be above 0"));
         None
     }
 
     /// A number that is zero or more.
-    pub fn not_negative(&mut self, at: &At<'_>, code: &'static str, why: &str) -> Option<f64> {
+    pub fn not_negative(&mut self, at: &At<'_>, code: Code, why: &str) -> Option<f64> {
         let number = self.number(at)?;
         if number >= 0.0 {
             return Some(number);
@@ -213,7 +208,7 @@ impl Walk {
             return Some(number as u32);
         }
         let what = format!("is {number}, but must be a whole number from {low} to {high}");
-        self.error("value-out-of-range", at, what);
+        self.error(Code::ValueOutOfRange, at, what);
         None
     }
 
@@ -226,7 +221,7 @@ impl Walk {
                 return Some(number);
             }
             let what = format!("is {number}: the square of what is beyond 1e18 fits no `f32`");
-            self.error("value-out-of-range", &item, what);
+            self.error(Code::ValueOutOfRange, &item, what);
             None
         });
         Some(DVec3::new(numbers[0]?, numbers[1]?, numbers[2]?))
@@ -238,7 +233,7 @@ impl Walk {
         if vector.abs().max_element() as f32 > 0.0 {
             return Some(vector);
         }
-        self.error("zero-direction", at, "has no length, so it has no direction");
+        self.error(Code::ZeroDirection, at, "has no length, so it has no direction");
         None
     }
 
@@ -262,7 +257,11 @@ impl Walk {
     }
 
     fn channel(&mut self, at: &At<'_>) -> Option<f64> {
-        self.not_negative(at, "negative-color", "light is never taken away, a colour is 0 or more")
+        self.not_negative(
+            at,
+            Code::NegativeColor,
+            "light is never taken away, a colour is 0 or more",
+        )
     }
 
     /// Text.
@@ -298,7 +297,7 @@ impl Walk {
     pub fn no_word(&mut self, at: &At<'_>, word: &str, names: &[&str]) {
         let near = nearest(word, names.iter().copied());
         let found =
-            self.error("wrong-value", at, format!("is {:?}, which is not known", short(word)));
+            self.error(Code::WrongValue, at, format!("is {:?}, which is not known", short(word)));
         found.help = Some(match near {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("it is one of {}", list(names)),

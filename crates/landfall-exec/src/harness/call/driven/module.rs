@@ -108,7 +108,11 @@ fn made(
     let function = entry(pure, places, &mut ir, [inputs, outputs], stage);
     let function = function.ok_or_else(|| {
         let message = "a parameter or result is no plain value";
-        vec![Diagnostic::error("cannot-run", landfall_layout::Span::default(), message)]
+        vec![Diagnostic::error(
+            landfall_layout::diagnostic::Code::CannotRun,
+            landfall_layout::Span::default(),
+            message,
+        )]
     })?;
     let compute = stage == ShaderStage::Compute;
     ir.entry_points = vec![EntryPoint {

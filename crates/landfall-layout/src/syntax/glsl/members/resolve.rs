@@ -2,6 +2,7 @@
 //!
 //! Goes by the structures that [`declarations`](crate::syntax::glsl::declarations) has read.
 
+use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
@@ -64,7 +65,7 @@ impl<'a> Reader<'a> {
                     problems.append(&mut why.clone());
                 } else {
                     let message = format!("`{}` cannot be laid out, see above", token.text);
-                    problems.push(diagnostic_at(&token, "broken-type", message));
+                    problems.push(diagnostic_at(&token, Code::BrokenType, message));
                 }
                 return Resolved::Broken;
             }
@@ -77,11 +78,11 @@ impl<'a> Reader<'a> {
         }
         let diagnostic = if token.text == owner.text {
             let message = format!("structure `{}` contains itself", token.text);
-            diagnostic_at(&token, "recursive-struct", message)
+            diagnostic_at(&token, Code::RecursiveStruct, message)
                 .with_note("its size would have no end")
         } else {
             let message = format!("there is no type `{}`", token.text);
-            let diagnostic = diagnostic_at(&token, "unknown-type", message);
+            let diagnostic = diagnostic_at(&token, Code::UnknownType, message);
             let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
             match nearest(token.text, known) {
                 Some(name) => diagnostic.with_help(format!("did you mean `{name}`?")),

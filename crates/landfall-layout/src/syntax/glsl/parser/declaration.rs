@@ -1,5 +1,6 @@
 //! Declarations: types, variables, blocks, functions (GLSL 4.60 §4, §6.1).
 
+use crate::diagnostic::Code;
 use std::rc::Rc;
 
 use super::{Bodies, Parsed, Parser, SyntaxError, Wanted, diagnostic_at};
@@ -96,7 +97,7 @@ impl<'a> Parser<'a> {
             "WGSL" => "name the file `.wgsl`, or say `--language wgsl`",
             _ => "landfall reads GLSL and WGSL",
         };
-        preprocessor.report(diagnostic_at(&first, "other-language", message).with_help(help));
+        preprocessor.report(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
         preprocessor.stopped = true;
         true
     }
@@ -271,7 +272,7 @@ impl<'a> Parser<'a> {
         };
         if !closed {
             let message = format!("the body of `{function}` is never closed");
-            self.report(diagnostic_at(&open, "unclosed-brace", message));
+            self.report(diagnostic_at(&open, Code::UnclosedBrace, message));
         }
         if self.bodies == Bodies::Skip {
             self.tokens.push(Token { text: "}", ..open });
@@ -300,7 +301,7 @@ impl<'a> Parser<'a> {
                 "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
             );
             let token = self.token_of(&name);
-            self.report(diagnostic_at(&token, "nested-too-deep", message));
+            self.report(diagnostic_at(&token, Code::NestedTooDeep, message));
             if let Some(preprocessor) = &mut self.preprocessor {
                 preprocessor.stopped = true;
             }
@@ -349,7 +350,7 @@ impl<'a> Parser<'a> {
         } else {
             let token = *self.token();
             let message = format!("unexpected `{}` among the members of `{owner}`", token.text);
-            self.report(diagnostic_at(&token, "syntax", message));
+            self.report(diagnostic_at(&token, Code::Syntax, message));
             self.recover_member();
             return None;
         };
@@ -457,5 +458,5 @@ impl<'a> Parser<'a> {
 /// A refusal of `coopmat<…>` and the like.
 pub(super) fn parametric(span: Span) -> SyntaxError {
     let message = "types with parameters cannot run";
-    SyntaxError::Other(Box::new(Diagnostic::error("cannot-run", span, message)))
+    SyntaxError::Other(Box::new(Diagnostic::error(Code::CannotRun, span, message)))
 }

@@ -2,6 +2,7 @@
 
 use super::{Parser, diagnostic_at};
 use crate::Severity;
+use crate::diagnostic::Code;
 use crate::syntax::glsl::ast::{LayoutId, Name, Precision, Qualifiers, Storage};
 use crate::syntax::glsl::layout_ids;
 use crate::syntax::glsl::lexer::Kind;
@@ -105,7 +106,7 @@ impl<'a> Parser<'a> {
             if self.token().kind != Kind::Name {
                 let token = *self.token();
                 let message = format!("`layout(…)` has an unexpected `{}`", token.text);
-                self.report(diagnostic_at(&token, "syntax", message));
+                self.report(diagnostic_at(&token, Code::Syntax, message));
                 break;
             }
             let name = self.name_here();
@@ -132,7 +133,7 @@ impl<'a> Parser<'a> {
         }
         let message = format!("there is no layout qualifier `{}`", name.text);
         let token = self.token_of(name);
-        let mut diagnostic = diagnostic_at(&token, "layout-qualifier", message);
+        let mut diagnostic = diagnostic_at(&token, Code::LayoutQualifier, message);
         match layout_ids::nearest(&text) {
             Some(meant) => self.report(diagnostic.with_help(format!("there is `{meant}`"))),
             None => {

@@ -1,6 +1,7 @@
 //! Passing over what is not parsed yet, and going on where a declaration is broken.
 
 use super::{Bodies, Parser, diagnostic_at};
+use crate::diagnostic::Code;
 use crate::source::Span;
 use crate::syntax::glsl::lexer::{Kind, Token};
 
@@ -16,7 +17,7 @@ impl<'a> Parser<'a> {
             _ => format!("`{}`", token.text),
         };
         let diagnostic =
-            diagnostic_at(&token, "syntax", format!("expected `{text}`, found {found}"));
+            diagnostic_at(&token, Code::Syntax, format!("expected `{text}`, found {found}"));
         let previous = self.before(self.at);
         let after = Span { start: previous.span.end, ..previous.span };
         self.report(match previous.kind {
@@ -32,7 +33,7 @@ impl<'a> Parser<'a> {
             return true;
         }
         if self.token().kind == Kind::End {
-            self.report(diagnostic_at(open, "unclosed-brace", "`{` is never closed"));
+            self.report(diagnostic_at(open, Code::UnclosedBrace, "`{` is never closed"));
         } else {
             self.recover();
         }
@@ -71,7 +72,7 @@ impl<'a> Parser<'a> {
                 ")" | "]" | "}" => depth = depth.saturating_sub(1),
                 _ if self.token().kind == Kind::End => {
                     let message = format!("`{}` is never closed", open.text);
-                    return self.report(diagnostic_at(&open, "unclosed-brace", message));
+                    return self.report(diagnostic_at(&open, Code::UnclosedBrace, message));
                 }
                 _ => {}
             }
@@ -146,21 +147,23 @@ impl<'a> Parser<'a> {
         let token = *self.token();
         let previous = self.before(self.at);
         let diagnostic = match (token.kind, token.text) {
-            (Kind::End, _) => diagnostic_at(&token, "syntax", "the file ends inside a declaration"),
-            (_, "}") => diagnostic_at(&token, "syntax", "`}` closes nothing"),
+            (Kind::End, _) => {
+                diagnostic_at(&token, Code::Syntax, "the file ends inside a declaration")
+            }
+            (_, "}") => diagnostic_at(&token, Code::Syntax, "`}` closes nothing"),
             (Kind::Stray, text) => {
                 let message =
                     format!("GLSL has no use for the character `{}`", text.escape_debug());
-                diagnostic_at(&token, "syntax", message)
+                diagnostic_at(&token, Code::Syntax, message)
             }
             (_, "(") if previous.kind == Kind::Name => {
                 let name = previous.text;
                 let message = format!("`{name}` is called where a declaration is wanted");
-                diagnostic_at(&previous, "syntax", message)
+                diagnostic_at(&previous, Code::Syntax, message)
                     .with_help(format!("define the macro `{name}`, if it is one"))
             }
             (_, text) => {
-                diagnostic_at(&token, "syntax", format!("unexpected `{text}` in a declaration"))
+                diagnostic_at(&token, Code::Syntax, format!("unexpected `{text}` in a declaration"))
             }
         };
         self.report(diagnostic);

@@ -1,5 +1,6 @@
 //! Why a part of a shader's text cannot be parsed.
 
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax::glsl::evaluate::Problem;
@@ -65,11 +66,11 @@ impl SyntaxError {
                     Wanted::Expression => format!("expected an expression, found {found}"),
                     Wanted::End => format!("unexpected {found} after an expression"),
                 };
-                Diagnostic::error("syntax", span, message)
+                Diagnostic::error(Code::Syntax, span, message)
             }
             SyntaxError::TooDeep { span, what, limit } => {
                 let message = format!("{what} more than {limit} deep");
-                Diagnostic::error("nested-too-deep", span, message)
+                Diagnostic::error(Code::NestedTooDeep, span, message)
             }
             SyntaxError::Other(diagnostic) => *diagnostic,
         })

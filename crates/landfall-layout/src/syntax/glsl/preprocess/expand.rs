@@ -3,6 +3,7 @@
 //! Called by [`preprocess`](super) for every name.
 
 use super::{Frame, Preprocessor};
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::syntax::glsl::lexer::{Kind, Token};
 use crate::syntax::glsl::macros::{Macro, paste};
@@ -67,7 +68,7 @@ impl<'a> Preprocessor<'a> {
             self.stopped = true;
             let message = format!("macros expand to more than {MOST_EXPANDED} tokens");
             self.diagnostics.push(
-                Diagnostic::error("macro-bomb", at.span, message)
+                Diagnostic::error(Code::MacroBomb, at.span, message)
                     .with_help("look for macros that use each other several times over"),
             );
         }
@@ -83,7 +84,7 @@ impl<'a> Preprocessor<'a> {
             match token.text {
                 _ if token.kind == Kind::End => {
                     let message = format!("the call of macro `{}` is never closed", name.text);
-                    self.report(Diagnostic::error("macro-call", name.span, message));
+                    self.report(Diagnostic::error(Code::MacroCall, name.span, message));
                     return None;
                 }
                 ")" if depth == 0 => break,
@@ -111,7 +112,7 @@ impl<'a> Preprocessor<'a> {
                 name.text,
                 arguments.len()
             );
-            self.report(Diagnostic::error("macro-call", name.span, message));
+            self.report(Diagnostic::error(Code::MacroCall, name.span, message));
             return None;
         }
         Some(arguments)
@@ -159,7 +160,7 @@ impl<'a> Preprocessor<'a> {
         }
         if self.argument_depth == DEEPEST_ARGUMENTS {
             let message = format!("macro calls are nested more than {DEEPEST_ARGUMENTS} deep");
-            self.report(Diagnostic::error("macro-bomb", tokens[0].span, message));
+            self.report(Diagnostic::error(Code::MacroBomb, tokens[0].span, message));
             self.stopped = true;
             return Vec::new();
         }
