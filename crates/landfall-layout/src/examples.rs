@@ -158,5 +158,6 @@ pub fn shader(path: &str, language: Language, blocks: Vec<BlockLayout>) -> Shade
         overrides: vec![],
         files,
         diagnostics: vec![],
+        assumed_target: None,
     }
 }

@@ -20,6 +20,7 @@ pub mod naga_compare;
 #[doc(hidden)]
 #[cfg(feature = "naga")]
 pub mod naga_front;
+pub mod other_language;
 pub mod port;
 mod shader;
 pub mod shape;

@@ -35,6 +35,7 @@ pub mod rust_mirror;
 mod scalar_after_vec3;
 mod show;
 mod stale_comment;
+mod target_changes_layout;
 mod unused_allow;
 mod unused_block;
 mod unused_member;

@@ -5,8 +5,8 @@ use super::{
     array_stride_waste, block_mismatch, bool_in_block, buffer_too_small, define_changes_layout,
     driver_disagrees, hazards, layout_drift, lock_missing, lock_orphan, mat3_padding,
     naga_disagrees, over_limit, push_constant_limit, reorder_saves, rules_undeclared, rust_mirror,
-    scalar_after_vec3, stale_comment, unused_allow, unused_block, unused_member, vec3_array,
-    webgl2_size,
+    scalar_after_vec3, stale_comment, target_changes_layout, unused_allow, unused_block,
+    unused_member, vec3_array, webgl2_size,
 };
 
 /// Every lint, by code.
@@ -40,6 +40,7 @@ pub const LINTS: &[&Lint] = &[
     &rust_mirror::UNKNOWN,
     &scalar_after_vec3::LINT,
     &stale_comment::LINT,
+    &target_changes_layout::LINT,
     &hazards::unclamped_count::LINT,
     &hazards::ungated_specular::LINT,
     &hazards::unguarded_normalize::LINT,

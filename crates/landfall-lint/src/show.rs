@@ -36,6 +36,7 @@ fn listed(shader: &ShaderLayout, block: &BlockLayout) -> String {
         overrides: Vec::new(),
         files: Files::default(),
         diagnostics: Vec::new(),
+        assumed_target: None,
         ..*shader
     };
     let text = emit::shader(&one, &EmitOptions::new(Format::Listing));

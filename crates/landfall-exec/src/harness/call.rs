@@ -130,7 +130,11 @@ impl Job<'_> {
         match request.floats {
             Floats::AsWritten => {}
             Floats::Half => notes.push("every operation is rounded to f16".to_string()),
-            Floats::Mediump => notes.push("what is mediump or lowp is rounded to f16".to_string()),
+            Floats::Mediump => notes.push(
+                "what is mediump or lowp is rounded to f16; a lowp in fixed point between -2 and 2, \
+                 which ES permits, is coarser"
+                    .to_string(),
+            ),
         }
         let driver = reader.filter(|reader| reader.device().reader != "cpu");
         let (device, answered) = match driver {

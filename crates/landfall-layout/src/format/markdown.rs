@@ -3,13 +3,16 @@
 use super::{EmitOptions, expand, words};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
-use crate::layout::{BlockLayout, Leaf};
+use crate::layout::{BlockLayout, Leaf, targets};
 use crate::shape::{AddressSpace, Type};
 use crate::source::Language;
 use crate::text::escape::markdown_code as code;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let mut text = format!("# {}\n", code(&shader.path));
+    if let Some(note) = targets::note(shader) {
+        text.push_str(&format!("\nNote: {note}.\n"));
+    }
     if shader.blocks.is_empty() {
         text.push_str("\nNo blocks.\n");
     }

@@ -12,7 +12,7 @@ use super::{EmitOptions, expand, words};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
 use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order, tails};
-use crate::layout::{BlockLayout, Leaf, MemberLayout};
+use crate::layout::{BlockLayout, Leaf, MemberLayout, targets};
 use crate::shape::{AddressSpace, Rules, Type};
 use crate::source::Language;
 use crate::text::escape::name;
@@ -28,6 +28,9 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         text.push_str(&paint.text(FAINT, &format!(" ({})", stage.name())));
     }
     text.push('\n');
+    if let Some(note) = targets::note(shader) {
+        text.push_str(&paint.text(CAUTION, &format!("  {note}\n")));
+    }
     if shader.blocks.is_empty() {
         text.push_str(&paint.text(FAINT, "  no blocks\n"));
     }

@@ -14,6 +14,7 @@ mod declarations;
 mod directive;
 pub mod evaluate;
 mod include;
+mod layout_ids;
 pub mod lexer;
 mod macros;
 mod members;
@@ -21,6 +22,7 @@ pub mod parser;
 mod preprocess;
 pub mod qualifiers;
 pub mod raw;
+mod splice;
 mod target;
 pub mod types;
 
@@ -32,14 +34,16 @@ use declarations::Reader;
 use parser::{Bodies, Parser};
 use preprocess::Preprocessor;
 pub use preprocess::Texts;
+use target::Decision;
 
 /// Errors after which a text is read no further: what was read before them is not to be trusted.
-const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb"];
+const FATAL: &[&str] = &["cyclic-include", "macro-bomb", "include-bomb", "other-language"];
 
 /// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     let texts = Texts::new();
-    let preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    preprocessor.note_foreign(0, source.foreign);
     let mut reader = Reader::new(Parser::new(preprocessor, Bodies::Skip));
     let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
     reader.read(|parser, _| parser.forget());
@@ -64,7 +68,8 @@ pub fn parse<'a>(
     texts: &'a Texts,
     gather: bool,
 ) -> Shader<'a> {
-    let preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
+    preprocessor.note_foreign(0, source.foreign);
     let mut reader = Reader::new(Parser::new(preprocessor, Bodies::Keep));
     let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
     let mut items = Vec::new();
@@ -97,8 +102,17 @@ fn shape(reader: &mut Reader<'_>, source: &Source, gather: bool, empty: bool) ->
         });
         blocks.clear();
     }
+    let assumed = match preprocessor.asked_for_vulkan.get() {
+        true => match preprocessor.decision() {
+            Decision::Assumed(target) => Some(target),
+            Decision::Known(_) | Decision::Either => None,
+        },
+        false => None,
+    };
     Parsed {
         shape: Shape { blocks, overrides },
+        assumed,
+        standard_uniforms: false,
         files: std::mem::take(&mut preprocessor.files),
         diagnostics,
         bodies: std::mem::take(&mut preprocessor.bodies),

@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::Level;
+use landfall_layout::other_language;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
 use landfall_lint::settings::RustFile;
 use landfall_lint::{Settings, levels, naga_disagrees};
@@ -27,6 +28,8 @@ pub struct Basis {
     defines: Vec<(String, String)>,
     include_dirs: Vec<String>,
     overrides: Vec<(String, String)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    max_bytes: Option<u64>,
     target: Option<String>,
     rules: Option<String>,
     gather: bool,
@@ -67,6 +70,7 @@ impl Basis {
             defines: options.read.defines.clone(),
             include_dirs: dirs.map(|dir| dir.display().to_string()).collect(),
             overrides: options.read.overrides.clone(),
+            max_bytes: options.read.max_bytes,
             target: options.read.target.map(|target| match target {
                 Target::OpenGl => "opengl".to_string(),
                 Target::Vulkan => "vulkan".to_string(),
@@ -119,6 +123,7 @@ impl Basis {
                 defines: self.defines.clone(),
                 include_dirs: self.include_dirs.iter().map(PathBuf::from).collect(),
                 overrides: self.overrides.clone(),
+                max_bytes: self.max_bytes,
                 target: self.target.as_deref().map(|name| match name {
                     "vulkan" => Target::Vulkan,
                     _ => Target::OpenGl,
@@ -130,14 +135,22 @@ impl Basis {
         }
     }
 
+    /// Bytes of the largest file that is read, where somebody says so.
+    pub fn max_bytes(&self) -> Option<u64> {
+        self.max_bytes
+    }
+
     /// The directories searched for includes.
     pub fn include_dirs(&self) -> impl Iterator<Item = &Path> {
         self.include_dirs.iter().map(Path::new)
     }
 
     /// A shader from its text.
-    pub fn source(&self, path: &str, text: &str) -> Source {
-        let mut source = Source::new(path, text);
+    pub fn source(&self, path: &str, bytes: Vec<u8>) -> Result<Source, Error> {
+        if self.language.is_none() {
+            other_language::refuse(Path::new(path))?;
+        }
+        let mut source = Source::from_bytes(path, bytes)?;
         match self.language.as_deref() {
             Some("wgsl") => source.language = Language::Wgsl,
             Some(_) => source.language = Language::Glsl,
@@ -147,7 +160,7 @@ impl Basis {
             Language::Glsl => self.stage.as_deref().and_then(Stage::from_name).or(source.stage),
             Language::Wgsl => None,
         };
-        source
+        Ok(source)
     }
 
     /// A hash that is another when anything is that findings of one shader depend on.

@@ -134,7 +134,7 @@ impl Job<'_> {
         let shown = self.shown(&path);
         let bytes = match self.texts.get(&shown) {
             Some(text) => Ok(text.clone().into_bytes()),
-            None => read(&path, &shown),
+            None => source::read_bytes(&path, self.basis.max_bytes()),
         };
         let bytes = match bytes {
             Ok(bytes) => bytes,
@@ -150,11 +150,10 @@ impl Job<'_> {
                 return Done::Same(shown);
             }
         }
-        let text = match source::decode(&shown, bytes) {
-            Ok(text) => text,
+        let source = match self.basis.source(&shown, bytes) {
+            Ok(source) => source,
             Err(error) => return Done::Fresh(Box::new(failed(&shown, hash, error.into()))),
         };
-        let source = self.basis.source(&shown, &text);
         let work = || self.look(source, hash, lock);
         Done::Fresh(Box::new(catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
             let error = Error::new(&*shown, "made landfall panic: this is its fault")
@@ -216,7 +215,8 @@ impl Job<'_> {
         if let Some(hash) = hashes.get(path) {
             return hash.clone();
         }
-        let hash = fs::read(path).ok().map(|bytes| Hash::of(&bytes));
+        let bytes = source::read_bytes(Path::new(path), self.basis.max_bytes());
+        let hash = bytes.ok().map(|bytes| Hash::of(&bytes));
         hashes.insert(path.to_string(), hash.clone());
         hash
     }
@@ -346,15 +346,6 @@ fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<A
     let lock = lock::read(&shown, &text)?;
     let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
     Ok(Against { hash: Some(hash), lock: Some(lock), found })
-}
-
-fn read(path: &Path, shown: &str) -> Result<Vec<u8>, Error> {
-    fs::read(path).map_err(|cause| match cause.kind() {
-        std::io::ErrorKind::IsADirectory => Error::new(shown, "is a directory, not a shader file"),
-        _ => {
-            Error::new(shown, format!("cannot be read: {}", landfall_layout::file::reason(&cause)))
-        }
-    })
 }
 
 /// A shader of which nothing can be told.

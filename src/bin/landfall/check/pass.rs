@@ -187,7 +187,6 @@ impl Pass {
 
 /// The text of a shader as it is on disk now.
 pub fn source(basis: &Basis, path: &str) -> Option<Source> {
-    let bytes = std::fs::read(Path::new(path)).ok()?;
-    let text = landfall_layout::source::decode(path, bytes).ok()?;
-    Some(basis.source(path, &text))
+    let bytes = landfall_layout::source::read_bytes(Path::new(path), basis.max_bytes()).ok()?;
+    basis.source(path, bytes).ok()
 }

@@ -111,6 +111,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
             include_dirs: list("include").iter().map(|text| root.path(&text.value)).collect(),
             overrides: pairs(keys, "override", args::setting),
             target: api.or_else(|| Api::reading(&targets)),
+            max_bytes: None,
         },
         rules: rules.and_then(Rules::from_name),
         gather: keys.bool("gather").unwrap_or(false),
@@ -220,6 +221,7 @@ impl Config {
                     // `--target webgpu` replaces the limits, not what GLSL is read as.
                     false => told.or(target),
                 },
+                max_bytes: args.max_bytes,
             },
             rules: args.rules.as_deref().and_then(Rules::from_name).or(self.rules),
             gather: args.gather || self.gather,
@@ -285,6 +287,9 @@ impl Exclude {
     /// A pattern with a `/` is a path from the configuration's folder; one without is any file
     /// or folder of that name. What is in a folder that is left out is left out.
     pub fn add(&mut self, pattern: &str) -> Result<(), String> {
+        if let Some(cause) = crate::inputs::too_deep(pattern) {
+            return Err(cause);
+        }
         let bare = pattern.trim_end_matches('/');
         let (from, anchored) = match bare.strip_prefix("./").or(bare.strip_prefix('/')) {
             Some(rest) => (rest, true),

@@ -176,5 +176,6 @@ pub fn nothing(like: &ShaderLayout) -> ShaderLayout {
         overrides: Vec::new(),
         files: Files::default(),
         diagnostics: Vec::new(),
+        assumed_target: None,
     }
 }

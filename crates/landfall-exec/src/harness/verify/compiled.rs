@@ -173,6 +173,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
         text: Arc::from(text),
         language: Language::Wgsl,
         stage: None,
+        foreign: None,
     };
     let module = Module::new(&source, &Options::default());
     let module = module.map_err(|found| format!("no inputs for it: {}", found[0].message))?;

@@ -12,7 +12,7 @@ use crate::lock::check::Within;
 use crate::lock::place::{Object, Place, WRITE_AGAIN};
 use crate::lock::{Lock, Verified, check, spelling};
 use crate::shape::{AddressSpace, ArrayLen, Majorness, Member, Rules, Struct, Type};
-use crate::source::{Files, Language, Span, Stage};
+use crate::source::{Files, Language, Span, Stage, Target};
 use crate::text::json::{Node, Value};
 
 /// The keys of a block.
@@ -54,14 +54,31 @@ impl Reader<'_> {
         object.known(
             place,
             match self.shape {
-                Shape::Lock => &["schema_version", "language", "blocks", "verified"],
-                Shape::Layout => &["path", "language", "stage", "includes", "overrides", "blocks"],
+                Shape::Lock => {
+                    &["schema_version", "language", "assumed_target", "blocks", "verified"]
+                }
+                Shape::Layout => &[
+                    "path",
+                    "language",
+                    "stage",
+                    "includes",
+                    "overrides",
+                    "assumed_target",
+                    "blocks",
+                ],
             },
         )?;
         let language =
             self.word(object, "language", &[Language::Glsl, Language::Wgsl], |l| l.name())?;
         let stage = match object.get("stage") {
             Some(node) => Stage::from_name(place.text(node, "stage")?),
+            None => None,
+        };
+        let assumed_target = match object.get("assumed_target") {
+            Some(_) => {
+                let all = [Target::OpenGl, Target::Vulkan];
+                Some(self.word(object, "assumed_target", &all, layout::targets::key)?)
+            }
             None => None,
         };
         let shader = object.get("path").map(|node| place.text(node, "path")).transpose()?;
@@ -78,7 +95,8 @@ impl Reader<'_> {
             None => Vec::new(),
         };
         let files = self.files.clone();
-        Ok(Lock { shader: shader.map(String::from), language, stage, blocks, verified, files })
+        let shader = shader.map(String::from);
+        Ok(Lock { shader, language, stage, blocks, verified, assumed_target, files })
     }
 
     fn required<'n>(&self, object: Object<'n>, key: &str) -> Result<&'n Node, Error> {

@@ -170,7 +170,7 @@ pub struct Dim<'a> {
     /// Both brackets included.
     pub span: Span,
     /// Parsed on demand.
-    pub size: Option<Expr<'a>>,
+    pub size: Option<Box<Expr<'a>>>,
 }
 
 #[derive(Debug)]
@@ -229,7 +229,7 @@ pub struct LayoutId<'a> {
     /// The expression after `=`.
     pub tokens: Tokens,
     /// Parsed on demand.
-    pub value: Option<Expr<'a>>,
+    pub value: Option<Box<Expr<'a>>>,
 }
 
 impl LayoutId<'_> {
@@ -265,7 +265,7 @@ pub struct Declarator<'a> {
     /// The initialiser.
     pub tokens: Tokens,
     /// Parsed on demand.
-    pub init: Option<Expr<'a>>,
+    pub init: Option<Box<Expr<'a>>>,
 }
 
 /// `QUALIFIERS NAME { … } INSTANCE[N];`
@@ -287,6 +287,7 @@ pub struct BlockDecl<'a> {
 
 #[derive(Debug)]
 pub struct Parameter<'a> {
+    pub tokens: Tokens,
     pub qualifiers: Qualifiers<'a>,
     pub ty: TypeSpec<'a>,
     /// Empty when there is none.

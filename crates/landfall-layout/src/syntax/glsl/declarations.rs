@@ -113,7 +113,10 @@ impl<'a> Reader<'a> {
 
     /// `TYPE a, b;` or `struct NAME { … } a, b;`
     fn variables(&mut self, declaration: &Declaration<'a>) {
-        let Declaration { qualifiers, ty, names, .. } = declaration;
+        let Declaration { qualifiers, ty, names, broken, .. } = declaration;
+        if *broken {
+            return; // a syntax error: said already
+        }
         let type_name = match &ty.base {
             TypeBase::Struct(structure) => match self.structure(structure) {
                 Some(named) => TypeName::Declared(named),

@@ -17,6 +17,12 @@ pub trait Names {
 
     /// The value of a name, or why it has none.
     fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem>;
+
+    /// An operand begins that `&&` or `||` does not evaluate.
+    fn begin_unevaluated(&mut self) {}
+
+    /// That operand ends.
+    fn end_unevaluated(&mut self) {}
 }
 
 /// Why an expression has no value, and where.
@@ -75,7 +81,22 @@ pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem>
             result.map_err(|why| fault(why, op.text()))
         }
         ExprKind::Binary(op, a, b) => {
-            let (a, b) = (evaluate(a, names)?, evaluate(b, names)?);
+            let a = evaluate(a, names)?;
+            let truth = a.integer().map(|value| value != 0);
+            let decided = N::DIRECTIVE
+                && match op.text() {
+                    "&&" => truth == Some(false),
+                    "||" => truth == Some(true),
+                    _ => false,
+                };
+            if decided {
+                names.begin_unevaluated();
+            }
+            let b = evaluate(b, names);
+            if decided {
+                names.end_unevaluated();
+            }
+            let b = b?;
             let result = match N::DIRECTIVE {
                 true => in_directive(*op, &a, &b),
                 false => constant::binary(op.text(), &a, &b),

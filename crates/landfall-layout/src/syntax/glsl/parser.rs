@@ -1,12 +1,13 @@
 //! From tokens to the syntax tree of [`ast`](super::ast): the parser of GLSL.
 //!
-//! [`declaration`] reads what stands outside functions and recovers from syntax errors
+//! [`declaration`] (with [`qualifiers`]) reads what stands outside functions and recovers from syntax errors
 //! ([`recover`]); it keeps expressions and bodies as ranges of tokens. [`complete`] parses those,
 //! with [`expression`] and [`statement`].
 
 mod complete;
 mod declaration;
 mod expression;
+mod qualifiers;
 mod recover;
 mod statement;
 mod syntax_error;
@@ -16,12 +17,15 @@ use rustc_hash::FxHashSet;
 use super::ast::{Expr, Name, Precision, Precisions, Storage, Tokens};
 use super::lexer::{Kind, Token};
 use super::preprocess::Preprocessor;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::Span;
 pub use syntax_error::{Parsed, SyntaxError, Wanted};
 
 /// Longer shaders are not run: a text of so many tokens was made to exhaust memory.
 const MOST_TOKENS: usize = 1 << 20;
+
+/// So many tokens are kept before those of declarations that are done are forgotten.
+const ENOUGH: usize = 1 << 10;
 
 /// What becomes of the tokens of function bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +48,7 @@ pub struct Parser<'a> {
     /// Diagnostics of a list of tokens; those of a preprocessor's tokens are with it.
     diagnostics: Vec<Diagnostic>,
     /// Where the declaration before this one began, for progress: token and macro definition.
-    position: Option<(Span, Option<Span>)>,
+    passed: Option<(Span, Option<Span>)>,
     /// Names of structures declared so far.
     structures: FxHashSet<&'a str>,
     /// Structures being read, one inside the other.
@@ -69,7 +73,9 @@ impl<'a> Parser<'a> {
     /// A parser of a shader at its first token.
     pub(super) fn new(mut preprocessor: Preprocessor<'a>, bodies: Bodies) -> Parser<'a> {
         let first = preprocessor.next();
-        let mut parser = Parser::over(vec![first]);
+        let mut tokens = Vec::with_capacity(ENOUGH / 2);
+        tokens.push(first);
+        let mut parser = Parser::over(tokens);
         parser.bodies = bodies;
         parser.preprocessor = Some(Box::new(preprocessor));
         parser
@@ -96,7 +102,7 @@ impl<'a> Parser<'a> {
             limit: usize::MAX,
             end,
             diagnostics: Vec::new(),
-            position: None,
+            passed: None,
             structures: FxHashSet::default(),
             open_structures: 0,
             direct: false,
@@ -108,6 +114,21 @@ impl<'a> Parser<'a> {
             statements: 0,
             qualifier_macros: FxHashSet::default(),
         }
+    }
+
+    /// A parser that takes those names for qualifiers: macros that are not expanded.
+    pub(crate) fn with_qualifier_macros(self, qualifier_macros: FxHashSet<&'a str>) -> Parser<'a> {
+        Parser { qualifier_macros, ..self }
+    }
+
+    /// The index of the token to be read next.
+    pub fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Drops the diagnostics so far.
+    pub(crate) fn forget_diagnostics(&mut self) {
+        self.diagnostics.clear();
     }
 
     /// The preprocessor behind the tokens.
@@ -140,7 +161,6 @@ impl<'a> Parser<'a> {
 
     /// Forgets the tokens of the declarations read so far.
     pub(super) fn forget(&mut self) {
-        const ENOUGH: usize = 1 << 10;
         if self.at > ENOUGH {
             self.tokens.drain(..self.at - 1);
             self.at = 1;
@@ -165,6 +185,9 @@ impl<'a> Parser<'a> {
 
     /// Reads tokens from the preprocessor up to that one. After the end come no more.
     fn load(&mut self, at: usize) {
+        if at < self.tokens.len() {
+            return;
+        }
         let Some(preprocessor) = &mut self.preprocessor else { return };
         while self.tokens.len() <= at {
             if self.tokens.last().is_some_and(|last| last.kind == Kind::End) {
@@ -258,7 +281,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The diagnostics so far.
-    pub(super) fn diagnostics(&self) -> &Vec<Diagnostic> {
+    pub(crate) fn diagnostics(&self) -> &Vec<Diagnostic> {
         match &self.preprocessor {
             Some(preprocessor) => &preprocessor.diagnostics,
             None => &self.diagnostics,
@@ -272,16 +295,26 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The first diagnostic since there were so many, as an error; the others came of it.
+    /// The first error since there were so many diagnostics; the others came of it.
     fn failed_since(&mut self, count: usize) -> Parsed<()> {
         let diagnostics = match &mut self.preprocessor {
             Some(preprocessor) => &mut preprocessor.diagnostics,
             None => &mut self.diagnostics,
         };
-        match diagnostics.drain(count..).next() {
-            Some(first) => Err(SyntaxError::Other(Box::new(first))),
+        let error = |d: &Diagnostic| d.severity == Severity::Error;
+        match diagnostics[count..].iter().position(error) {
+            Some(at) => {
+                let first = diagnostics.remove(count + at);
+                diagnostics.truncate(count);
+                Err(SyntaxError::Other(Box::new(first)))
+            }
             None => Ok(()),
         }
+    }
+
+    /// The number of errors so far.
+    fn errors(&self) -> usize {
+        self.diagnostics().iter().filter(|d| d.severity == Severity::Error).count()
     }
 
     /// Parses a part of the tokens that must take them all.

@@ -2,12 +2,13 @@
 
 use std::rc::Rc;
 
-use super::declaration::{is_float, parametric};
+use super::declaration::parametric;
+use super::qualifiers::is_float;
 use super::{Parsed, Parser};
 use crate::source::Stage;
 use crate::syntax::glsl::ast::{
-    Declaration, Dim, FunctionDecl, Item, Name, Parameter, Precision, Precisions, Qualifiers,
-    Storage, TypeBase, TypeSpec,
+    BlockDecl, Declaration, Dim, FunctionDecl, Item, Name, Parameter, Precision, Precisions,
+    Qualifiers, Storage, TypeBase, TypeSpec,
 };
 use crate::syntax::glsl::lexer::Kind;
 
@@ -40,8 +41,7 @@ impl<'a> Parser<'a> {
                 }
                 Item::Interface(block) => {
                     self.complete_qualifiers(&mut block.qualifiers)?;
-                    let body = block.name.at + 1..block.tokens.end;
-                    self.part(&body, |parser| parser.interface_body(block))?;
+                    self.complete_interface(block)?;
                 }
                 Item::Function(function) => {
                     let function = Rc::get_mut(function).expect("nobody shares it yet");
@@ -70,7 +70,7 @@ impl<'a> Parser<'a> {
         for declarator in &mut declaration.names {
             self.complete_dims(&mut declarator.dims)?;
             if !declarator.tokens.is_empty() {
-                declarator.init = Some(self.expression_of(&declarator.tokens)?);
+                declarator.init = Some(Box::new(self.expression_of(&declarator.tokens)?));
             }
         }
         Ok(())
@@ -82,7 +82,7 @@ impl<'a> Parser<'a> {
         }
         for id in &mut qualifiers.layout {
             if !id.tokens.is_empty() {
-                id.value = Some(self.expression_of(&id.tokens)?);
+                id.value = Some(Box::new(self.expression_of(&id.tokens)?));
             }
         }
         Ok(())
@@ -91,7 +91,7 @@ impl<'a> Parser<'a> {
     fn complete_dims(&mut self, dims: &mut [Dim<'a>]) -> Parsed<()> {
         for dim in dims {
             if !dim.tokens.is_empty() {
-                dim.size = Some(self.part(&dim.tokens, Self::expression)?);
+                dim.size = Some(Box::new(self.part(&dim.tokens, Self::expression)?));
             }
         }
         Ok(())
@@ -126,11 +126,25 @@ impl<'a> Parser<'a> {
         float: Option<Precision>,
     ) -> Parsed<()> {
         self.complete_type(&mut function.returns, float)?;
-        function.parameters = self.part(&function.parameter_tokens, Self::parameters)?;
+        function.parameters = self.parameters_of(function)?;
         if let Some(tokens) = &function.body_tokens {
             function.body = Some(self.part(tokens, Self::body)?);
         }
         Ok(())
+    }
+
+    /// Parses the members of a block of inputs or outputs.
+    pub(crate) fn complete_interface(&mut self, block: &mut BlockDecl<'a>) -> Parsed<()> {
+        let body = block.name.at + 1..block.tokens.end;
+        self.part(&body, |parser| parser.interface_body(block))
+    }
+
+    /// Parses the parameters of a function.
+    pub(crate) fn parameters_of(
+        &mut self,
+        function: &FunctionDecl<'a>,
+    ) -> Parsed<Vec<Parameter<'a>>> {
+        self.part(&function.parameter_tokens, Self::parameters)
     }
 
     fn parameters(&mut self) -> Parsed<Vec<Parameter<'a>>> {
@@ -139,6 +153,7 @@ impl<'a> Parser<'a> {
             self.bump();
         }
         while self.token().kind != Kind::End {
+            let start = self.at;
             let count = self.diagnostics().len();
             let qualifiers = self.qualifiers();
             self.failed_since(count)?;
@@ -149,7 +164,8 @@ impl<'a> Parser<'a> {
             };
             let dims = self.dims();
             self.failed_since(count)?;
-            parameters.push(Parameter { qualifiers, ty, name, dims });
+            let tokens = start..self.at;
+            parameters.push(Parameter { tokens, qualifiers, ty, name, dims });
             if !self.eat(",") && self.token().kind != Kind::End {
                 return Err(self.unexpected(super::Wanted::CommaOr(")")));
             }

@@ -1,45 +1,31 @@
-//! Declarations: qualifiers, types, variables, blocks, functions (GLSL 4.60 §4, §6.1).
+//! Declarations: types, variables, blocks, functions (GLSL 4.60 §4, §6.1).
 
 use std::rc::Rc;
 
 use super::{Bodies, Parsed, Parser, SyntaxError, Wanted, diagnostic_at};
 use crate::diagnostic::Diagnostic;
+use crate::other_language;
 use crate::source::Span;
 use crate::syntax::glsl::ast::{
-    BlockDecl, Declaration, Declarator, Dim, Expr, FunctionDecl, Item, LayoutId, Name, Precision,
-    Qualifiers, Storage, StructDecl, Tokens, TypeBase, TypeSpec,
+    BlockDecl, Declaration, Declarator, Dim, Expr, FunctionDecl, Item, Name, Qualifiers, Storage,
+    StructDecl, Tokens, TypeBase, TypeSpec,
 };
 use crate::syntax::glsl::lexer::{Kind, Token};
-use crate::syntax::glsl::qualifiers::{OTHER_STORAGE, is_qualifier};
 
 /// Structures may be declared inside each other this deep; the language forbids it altogether.
 const DEEPEST_STRUCTURE: u32 = 16;
-
-/// Whether a qualifier may stand alone: `layout(…) in;`.
-fn is_alone(word: &str) -> bool {
-    matches!(word, "in" | "out" | "uniform" | "buffer")
-}
-
-fn precision(word: &str) -> Option<Precision> {
-    match word {
-        "lowp" => Some(Precision::Low),
-        "mediump" => Some(Precision::Medium),
-        "highp" => Some(Precision::High),
-        _ => None,
-    }
-}
 
 impl<'a> Parser<'a> {
     /// The next global declaration; `None` at the end. Syntax errors are reported.
     pub fn item(&mut self) -> Option<Item<'a>> {
         let here = (self.token().span, self.token().definition);
-        if self.position == Some(here) {
+        if self.passed == Some(here) {
             self.bump(); // a declaration always passes something, whatever it was
         }
         if self.token().kind == Kind::End {
             return None;
         }
-        self.position = Some((self.token().span, self.token().definition));
+        self.passed = Some((self.token().span, self.token().definition));
         self.has_precisions = self.is_es();
         Some(self.item_here())
     }
@@ -60,6 +46,12 @@ impl<'a> Parser<'a> {
                 return Item::Other(start..self.at);
             }
             _ => {}
+        }
+        if self.is_other_language() {
+            while self.token().kind != Kind::End {
+                self.bump();
+            }
+            return Item::Other(start..self.at);
         }
         let qualifiers = self.qualifiers();
         if self.is(";") && qualifiers.any {
@@ -87,6 +79,26 @@ impl<'a> Parser<'a> {
         } else {
             self.variables(start, qualifiers)
         }
+    }
+
+    /// Refuses a shader whose next declaration is one of another shading language.
+    fn is_other_language(&mut self) -> bool {
+        let first = *self.token();
+        let known = self.structures.contains(first.text);
+        if first.definition.is_some() || known || !other_language::may_begin(first.text) {
+            return false;
+        }
+        let next = *self.ahead(1);
+        let Some(language) = other_language::of_words(first.text, next.text) else { return false };
+        let Some(preprocessor) = &mut self.preprocessor else { return false };
+        let message = format!("`{}` begins a declaration of {language}, not of GLSL", first.text);
+        let help = match language {
+            "WGSL" => "name the file `.wgsl`, or say `--language wgsl`",
+            _ => "landfall reads GLSL and WGSL",
+        };
+        preprocessor.report(diagnostic_at(&first, "other-language", message).with_help(help));
+        preprocessor.stopped = true;
+        true
     }
 
     /// `in NAME { … } name[];`: it has locations, not bytes.
@@ -233,12 +245,8 @@ impl<'a> Parser<'a> {
         let parameter_tokens = open + 1..(self.at - 1).max(open + 1);
         let mut body_tokens = None;
         if self.is("{") {
-            let brace = *self.token();
             let first = self.at + 1;
-            if !self.skip_body() {
-                let message = format!("the body of `{}` is never closed", name.text);
-                self.report(diagnostic_at(&brace, "unclosed-brace", message));
-            }
+            self.pass_body(name.text);
             body_tokens = Some(first.min(self.at)..self.at.saturating_sub(1).max(first));
         } else {
             self.end_of_statement();
@@ -254,17 +262,22 @@ impl<'a> Parser<'a> {
         }))
     }
 
-    /// Passes a function body, its `{` the current token; says whether it is closed.
-    fn skip_body(&mut self) -> bool {
+    /// Passes the body of a function, its `{` the current token.
+    fn pass_body(&mut self, function: &str) {
         let open = *self.token();
-        if self.bodies == Bodies::Keep {
-            return self.skip_braces();
+        let closed = match self.bodies {
+            Bodies::Keep => self.skip_braces(),
+            Bodies::Skip => self.preprocessor().skip_body(&open),
+        };
+        if !closed {
+            let message = format!("the body of `{function}` is never closed");
+            self.report(diagnostic_at(&open, "unclosed-brace", message));
         }
-        let closed = self.preprocessor().skip_body(&open);
-        self.tokens.push(Token { text: "}", ..open });
-        self.bump();
-        self.bump();
-        closed
+        if self.bodies == Bodies::Skip {
+            self.tokens.push(Token { text: "}", ..open });
+            self.bump();
+            self.bump();
+        }
     }
 
     /// `struct [NAME] { … }`
@@ -341,9 +354,9 @@ impl<'a> Parser<'a> {
             return None;
         };
         ty.dims = self.dims();
-        let diagnostics = self.diagnostics().len();
+        let errors = self.errors();
         let names = self.declarators();
-        let broken = self.diagnostics().len() > diagnostics;
+        let broken = self.errors() > errors;
         Some(Declaration { tokens: start..self.at, qualifiers, ty, names, broken })
     }
 
@@ -370,7 +383,7 @@ impl<'a> Parser<'a> {
 
     /// `a, b[2] = …;`
     fn declarators(&mut self) -> Vec<Declarator<'a>> {
-        let mut declarators = Vec::new();
+        let mut declarators = Vec::with_capacity(1);
         loop {
             if self.token().kind != Kind::Name {
                 self.report_unexpected();
@@ -401,13 +414,14 @@ impl<'a> Parser<'a> {
             if !self.expect_or_report("]") {
                 break;
             }
+            dims.reserve_exact(1);
             dims.push(Dim { tokens, span, size });
         }
         dims
     }
 
     /// An expression up to one of `ends`: parsed where bodies are parsed, else passed over.
-    fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Expr<'a>>) {
+    pub(super) fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Box<Expr<'a>>>) {
         let start = self.at;
         if !self.direct {
             self.skip_until(ends);
@@ -418,36 +432,7 @@ impl<'a> Parser<'a> {
         }
         let parsed = if ends == ["]"] { self.expression() } else { self.assignment() };
         let expr = parsed.map_err(|error| self.report(*error.diagnostic())).ok();
-        (start..self.at, expr)
-    }
-
-    /// `precision mediump float;`
-    pub(super) fn precision_statement(&mut self) {
-        let said = precision(self.ahead(1).text);
-        if let Some(said) = said {
-            match self.ahead(2).text {
-                "float" => self.precisions.float = Some(said),
-                "sampler2D" | "samplerCube" => self.precisions.sampled = said,
-                _ => {}
-            }
-        }
-        match self.direct {
-            true => self.skip_to_semicolon(),
-            false => self.skip_statement(),
-        }
-    }
-
-    /// The precision of a type: what is written before it, or the default.
-    fn precision_of(&self, written: Option<Precision>, name: &str) -> Option<Precision> {
-        if !self.has_precisions {
-            return None;
-        }
-        match name {
-            "sampler2D" | "samplerCube" => written.or(Some(self.precisions.sampled)),
-            _ if is_float(name) => written.or(self.precisions.float),
-            _ if name.starts_with("sampler") => written,
-            _ => None,
-        }
+        (start..self.at, expr.map(Box::new))
     }
 
     /// A type where bodies and parameters are parsed.
@@ -467,106 +452,6 @@ impl<'a> Parser<'a> {
         self.failed_since(count)?;
         Ok(ty)
     }
-
-    /// Reads qualifiers as long as there are some.
-    pub(super) fn qualifiers(&mut self) -> Qualifiers<'a> {
-        let mut qualifiers = Qualifiers { tokens: self.at..self.at, ..Qualifiers::default() };
-        self.written = None;
-        while self.token().kind == Kind::Name {
-            let word = self.token().text;
-            match word {
-                "layout" => {
-                    self.bump();
-                    self.layout(&mut qualifiers.layout);
-                }
-                // GL_EXT_spirv_intrinsics: `spirv_instruction(…)`, `spirv_decorate(…)` and so on.
-                _ if word == "subroutine" || word.starts_with("spirv_") => {
-                    qualifiers.subroutine |= word == "subroutine";
-                    self.bump();
-                    if self.is("(") {
-                        self.skip_balanced();
-                    }
-                }
-                _ if is_qualifier(word) || self.qualifier_macros.contains(word) => {
-                    self.qualify(&mut qualifiers, word);
-                    self.bump();
-                }
-                _ => break,
-            }
-            qualifiers.any = true;
-        }
-        qualifiers.tokens.end = self.at;
-        qualifiers
-    }
-
-    fn qualify(&mut self, qualifiers: &mut Qualifiers<'a>, word: &str) {
-        match word {
-            "const" => {
-                qualifiers.constant = true;
-                if qualifiers.storage == Storage::Plain {
-                    qualifiers.storage = Storage::Const;
-                }
-            }
-            "in" | "attribute" => qualifiers.storage = Storage::In,
-            "out" => qualifiers.storage = Storage::Out,
-            "inout" => qualifiers.storage = Storage::InOut,
-            "varying" => qualifiers.storage = self.varying,
-            "uniform" => qualifiers.storage = Storage::Uniform,
-            "buffer" => qualifiers.storage = Storage::Buffer,
-            "shared" => qualifiers.storage = Storage::Shared,
-            "flat" => qualifiers.flat = true,
-            "noperspective" => qualifiers.noperspective = true,
-            "centroid" => qualifiers.centroid = true,
-            "sample" => qualifiers.sample = true,
-            "patch" => qualifiers.patch = true,
-            "lowp" | "mediump" | "highp" => self.written = precision(word),
-            "readonly" => qualifiers.readonly = true,
-            "writeonly" => qualifiers.writeonly = true,
-            _ if OTHER_STORAGE.contains(&word) => qualifiers.storage = Storage::Foreign,
-            _ => {}
-        }
-    }
-
-    /// Whether a qualifier stands here: in old versions some are names, as `sample` is.
-    pub(super) fn stands_qualifier(&mut self) -> bool {
-        let word = self.token().text;
-        let wordy = is_qualifier(word) || matches!(word, "layout" | "subroutine");
-        if !wordy && !word.starts_with("spirv_") {
-            return false;
-        }
-        let next = self.ahead(1);
-        next.kind == Kind::Name || next.is("(") || next.is("{") || (next.is(";") && is_alone(word))
-    }
-
-    /// `( NAME [= EXPRESSION] , … )`
-    fn layout(&mut self, ids: &mut Vec<LayoutId<'a>>) {
-        if !self.expect_or_report("(") {
-            return;
-        }
-        while !self.is(")") {
-            if self.token().kind != Kind::Name {
-                let token = *self.token();
-                let message = format!("`layout(…)` has an unexpected `{}`", token.text);
-                self.report(diagnostic_at(&token, "syntax", message));
-                break;
-            }
-            let name = self.name_here();
-            let (mut tokens, mut value) = (self.at..self.at, None);
-            if self.eat("=") {
-                (tokens, value) = self.code(&[",", ")"]);
-            }
-            ids.push(LayoutId { name, tokens, value });
-            if !self.eat(",") {
-                break;
-            }
-        }
-        self.expect_or_report(")");
-    }
-}
-
-/// Whether a type holds floats, whose default precision `precision … float;` sets.
-pub(super) fn is_float(name: &str) -> bool {
-    name == "float" || name.starts_with("vec") || name.starts_with("mat")
 }
 
 /// A refusal of `coopmat<…>` and the like.

@@ -169,7 +169,7 @@ impl<'a> Parser<'a> {
         let name = self.name()?;
         self.expect("=")?;
         let from = self.at;
-        let init = Some(self.assignment()?);
+        let init = Some(Box::new(self.assignment()?));
         let names = vec![Declarator { name, dims: Vec::new(), tokens: from..self.at, init }];
         let tokens = start..self.at;
         Ok(Condition::Declaration(Declaration { tokens, qualifiers, ty, names, broken: false }))
