@@ -194,7 +194,6 @@ fn what_is_wrong_with_a_lock_is_mended_by_writing_it_again() {
             sound.replacen("\"offset\": 12", "\"offset\": \"12\"", 1),
             "has a string where `offset` must be",
         ),
-        ("\u{7f}ELF".to_string(), "is not JSON: line 1, column 1"),
     ] {
         tree.write(POINT, &broken);
         let output = tree.landfall(&["diff", POINT, "shaders/lights/point.frag"]);
@@ -203,6 +202,27 @@ fn what_is_wrong_with_a_lock_is_mended_by_writing_it_again() {
         assert!(stderr.contains(said) && stderr.contains("help: "), "{stderr}");
         assert!(stderr.contains("landfall lock"), "{stderr}");
         assert_eq!(tree.run(&["lock", "shaders"]).0, 0);
+        assert_eq!(tree.read(POINT), sound);
+    }
+}
+
+#[test]
+fn what_is_no_lock_is_written_over_only_when_told() {
+    let tree = Tree::new("foreign");
+    tree.run(&["lock", "shaders"]);
+    let sound = tree.read(POINT);
+    for (foreign, said) in
+        [("\u{7f}ELF", "is not JSON: line 1, column 1"), ("{\"mine\": 1}", "is no lock")]
+    {
+        tree.write(POINT, foreign);
+        let output = tree.landfall(&["diff", POINT, "shaders/lights/point.frag"]);
+        assert_eq!(output.status.code(), Some(2));
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(stderr.contains(said) && stderr.contains("help: "), "{stderr}");
+        let (code, said) = tree.run(&["lock", "shaders"]);
+        assert!(code == 2 && said.contains("is no lock of landfall's"), "{said}");
+        assert_eq!(tree.read(POINT), foreign);
+        assert_eq!(tree.run(&["lock", "shaders", "--force"]).0, 0);
         assert_eq!(tree.read(POINT), sound);
     }
 }

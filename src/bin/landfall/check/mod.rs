@@ -82,11 +82,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         excluded: AtomicUsize::new(0),
     };
     let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
-    let opened = folder.and_then(|folder| {
-        let writer = config.writer(folder, args.cache_dir.is_some());
-        let key = key::key().inspect_err(|error| not_remembered(error, streams)).ok()?;
-        Some(Cache::open(folder, &basis, key, writer))
-    });
+    let opened = folder.and_then(|folder| open(folder, args, &config, &basis, streams));
     let has_cache = opened.is_some();
     let mut cache = opened.unwrap_or_default();
     let before = cache.tree.as_ref().map(|tree| tree.key.clone());
@@ -94,11 +90,10 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // Locks are written once everything is mended.
     let accept = args.accept && !args.fix;
     let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
-    if let Some(outcome) = left_out(args, &run, &pass, streams) {
-        return Ok(outcome);
-    }
+    let left_out = left_out(args, &run, &pass, streams);
     if args.diff {
-        return diff(&run, pass, &mut cache, streams);
+        let outcome = diff(&run, pass, &mut cache, streams)?;
+        return Ok(left_out.unwrap_or(outcome));
     }
     let mut mended = mend::Mended::default();
     if args.fix {
@@ -146,7 +141,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.notes(&mend::told(&mended));
     }
     tell_of_locks(&pass, &basis, args, streams);
-    Ok(outcome)
+    Ok(left_out.unwrap_or(outcome))
 }
 
 /// What a run comes to whose shaders were all left out, where that is no accident.
@@ -163,6 +158,19 @@ fn left_out(args: &CheckArgs, run: &Run<'_>, pass: &Pass, streams: &Streams) -> 
     let found = Diagnostic { severity, ..found };
     streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
     (!is_meant).then_some(Outcome::CouldNot)
+}
+
+/// What is remembered of checks like this one; nothing without a key.
+fn open(
+    folder: &Path,
+    args: &CheckArgs,
+    config: &Config,
+    basis: &Basis,
+    streams: &Streams,
+) -> Option<Cache> {
+    let writer = config.writer(folder, args.cache_dir.is_some());
+    let key = key::key().inspect_err(|error| not_remembered(error, streams)).ok()?;
+    Some(Cache::open(folder, basis, key, writer))
 }
 
 fn not_remembered(error: &Error, streams: &Streams) {
