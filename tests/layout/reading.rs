@@ -1,6 +1,8 @@
 //! Texts are read as compilers read them: which API they are for, where lines end, what bytes
 //! comments may hold. The oracles are glslangValidator and the OpenGL driver.
 
+mod bounds;
+mod campaign;
 mod lines;
 mod refused;
 mod target;

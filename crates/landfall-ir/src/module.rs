@@ -8,7 +8,7 @@ use std::panic::{self, AssertUnwindSafe};
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{GlobalVariable, Handle};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 mod describe;
 
@@ -355,6 +355,8 @@ pub(super) struct Binder {
     /// Those the text gives to somebody.
     reserved: FxHashSet<(u32, u32)>,
     taken: FxHashSet<(u32, u32)>,
+    /// The binding of each group below which none is free: nothing taken or wanted is given back.
+    lowest: FxHashMap<u32, u32>,
 }
 
 impl Binder {
@@ -369,10 +371,12 @@ impl Binder {
                 return (group, binding);
             }
         }
-        let free = (0..u32::MAX)
+        let lowest = self.lowest.entry(group).or_default();
+        let free = (*lowest..u32::MAX)
             .map(|binding| (group, binding))
             .find(|at| !self.reserved.contains(at) && !self.taken.contains(at))
             .expect("a shader has fewer than 2^32 bindings");
+        *lowest = free.1;
         self.taken.insert(free);
         free
     }

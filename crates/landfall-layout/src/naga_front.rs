@@ -3,6 +3,7 @@
 use std::panic::{self, AssertUnwindSafe};
 
 use naga::{ArraySize, Module, TypeInner};
+use rustc_hash::FxHashMap;
 
 use crate::source::{ExecutableStage, Stage};
 
@@ -14,6 +15,10 @@ const LONGEST_CHAIN: u32 = 200;
 
 /// The same for declarations that may hang on each other.
 const MOST_STATEMENTS: usize = 4_000;
+
+/// The same for structures that hold structures several times over: naga 30.0.1 walks every
+/// member of every member when it lays a structure of GLSL out.
+const MOST_NESTED_MEMBERS: u64 = 1 << 16;
 
 /// Longer text is not handed to naga.
 const LONGEST_TEXT: usize = 1 << 20;
@@ -60,6 +65,30 @@ pub fn is_bounded(text: &str) -> bool {
         && nesting(text) <= DEEPEST_BRACKETS
         && longest_chain(text) <= LONGEST_CHAIN
         && text.bytes().filter(|&byte| byte == b';').count() <= MOST_STATEMENTS
+        && nested_members(text) <= MOST_NESTED_MEMBERS
+}
+
+/// About how many members the structures of a text have, those of their members counted again
+/// with each: a word inside the braces of a structure that names an earlier one stands for all
+/// of its members.
+fn nested_members(text: &str) -> u64 {
+    let mut sizes: FxHashMap<&str, u64> = FxHashMap::default();
+    let mut all = 0u64;
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut rest = text;
+    while let Some(at) = rest.find("struct") {
+        let after = rest[at + "struct".len()..].trim_start();
+        let name = &after[..after.find(|c| !is_word(c)).unwrap_or(after.len())];
+        rest = &after[name.len()..];
+        let Some(body) = rest.trim_start().strip_prefix('{') else { continue };
+        let body = &body[..body.find('}').unwrap_or(body.len())];
+        let words = body.split(|c| !is_word(c)).filter(|word| !word.is_empty());
+        let size =
+            words.fold(0u64, |sum, word| sum.saturating_add(sizes.get(word).copied().unwrap_or(1)));
+        all = all.saturating_add(size);
+        sizes.insert(name, size);
+    }
+    all
 }
 
 /// Runs a front end on text it can be trusted with; a panic in it counts as no answer.
@@ -123,5 +152,14 @@ mod tests {
             assert!(wgsl_module(&format!("const x = {text}")).is_none());
         }
         assert_eq!(nesting("a < b; c < d; e < f;"), 1);
+        let mut nested = "struct S0 { float a; };".to_string();
+        for i in 1..40 {
+            nested += &format!("struct S{i} {{ S{0} a; S{0} b; }};", i - 1);
+        }
+        assert!(glsl_module(&nested, None).is_none());
+        assert_eq!(
+            nested_members("struct A { float x; float y; }; struct B { A a; A b[2]; };"),
+            15
+        );
     }
 }

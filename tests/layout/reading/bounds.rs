@@ -1,0 +1,154 @@
+//! Inputs made to exhaust: each is read in time linear in its size, or refused with a limit.
+//! Time is the processor time of the thread, which other programs on the machine do not change.
+
+use std::path::{Path, PathBuf};
+
+use ::landfall::{Options, Source, layout};
+use landfall_layout::codegen::c::{COptions, c};
+use landfall_layout::file::{MOST_BYTES, read_whole};
+use landfall_layout::naga_front::glsl_module;
+use landfall_layout::port::{PortOptions, port};
+
+use super::read;
+
+/// Seconds that this thread has computed so far.
+fn computed() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux has it");
+    let nanoseconds: f64 = text.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
+    nanoseconds * 1e-9
+}
+
+fn seconds(work: impl FnOnce()) -> f64 {
+    let before = computed();
+    work();
+    computed() - before
+}
+
+fn block_of(members: usize) -> String {
+    let members: String = (0..members).map(|n| format!("float m{n};\n")).collect();
+    format!("#version 450\nlayout(std140, binding = 0) uniform U {{\n{members}}} u;\n")
+}
+
+fn blocks(count: usize) -> String {
+    let block = |n| format!("layout(std140) uniform B{n} {{ vec4 position; vec4 color; }} b{n};\n");
+    format!("#version 450\n{}", (0..count).map(block).collect::<String>())
+}
+
+/// Structures of two members each, every one holding the one before it twice.
+fn doubled(depth: usize) -> String {
+    let rest = (1..depth).map(|n| format!("struct S{n} {{ S{0} a; S{0} b; }};\n", n - 1));
+    let first = "struct S0 { float a; float b; };\n".to_string();
+    let tail = "layout(std140) uniform U { vec4 a; } u;\nout vec4 o;\nvoid main() { o = u.a; }\n";
+    format!("#version 330\n{}{tail}", std::iter::once(first).chain(rest).collect::<String>())
+}
+
+/// Eight times the size takes less than 8 · log₂ 8 times as long; a quadratic loop takes 64.
+fn assert_near_linear(
+    name: &str,
+    small: usize,
+    work: impl Fn(&str),
+    text: impl Fn(usize) -> String,
+) {
+    let (few, many) = (text(small), text(8 * small));
+    let measure = |text: &str| {
+        let runs = (0..3).map(|_| seconds(|| work(text)));
+        runs.fold(f64::INFINITY, f64::min).max(1e-3)
+    };
+    let (few, many) = (measure(&few), measure(&many));
+    assert!(many < 24.0 * few, "{name}: {few} s, and {many} s for eight times as much");
+}
+
+#[test]
+fn texts_of_many_members_and_blocks_take_linear_time() {
+    let lay_out = |text: &str| drop(read(text, None));
+    let header = |text: &str| drop(c(&[&read(text, None)], &COptions::default()));
+    let lock = |text: &str| {
+        let lock = landfall_layout::lock::write(&read(text, None));
+        landfall_layout::lock::read("a.json", &lock).expect("a lock");
+    };
+    for (name, text) in [("members", &block_of as &dyn Fn(usize) -> String), ("blocks", &blocks)] {
+        assert_near_linear(&format!("layout of {name}"), 300, lay_out, text);
+        assert_near_linear(&format!("C header of {name}"), 300, header, text);
+        assert_near_linear(&format!("lock of {name}"), 300, lock, text);
+    }
+}
+
+#[test]
+fn structures_that_double_are_ported_and_never_handed_to_naga() {
+    let text = doubled(28);
+    let source = Source::new("a.frag", &*text);
+    let ported = seconds(|| {
+        port(&source, &PortOptions::default()).expect("it is portable");
+    });
+    assert!(ported < 1.0, "{ported} s");
+    let asked = seconds(|| assert!(glsl_module(&text, None).is_none()));
+    assert!(asked < 1.0, "{asked} s");
+    let naga = Options { naga: true, ..Options::default() };
+    let laid_out = seconds(|| assert!(!layout(&source, &naga).has_errors()));
+    assert!(laid_out < 1.0, "{laid_out} s");
+}
+
+/// 2¹¹ samplers in one structure are more than variables are made of.
+#[test]
+fn more_handles_than_the_limit_are_refused_by_number() {
+    let text = doubled(11)
+        .replace("struct S0 { float a; float b; }", "struct S0 { sampler2D a; sampler2D b; }");
+    let source = Source::new("a.frag", text.replace("out vec4", "uniform S10 s;\nout vec4"));
+    let found = port(&source, &PortOptions::default()).expect_err("too many");
+    assert!(
+        found.iter().any(|found| found.message.contains("more than 1024 handles")),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn macro_calls_nested_without_end_are_refused() {
+    let deep = 100_000;
+    let text = format!(
+        "#version 450\n#define F(x) x\nlayout(std140) uniform U {{ float a[{}3{}]; }};\n",
+        "F(".repeat(deep),
+        ")".repeat(deep)
+    );
+    let took = seconds(|| {
+        let shader = read(&text, None);
+        assert_eq!(shader.diagnostics[0].code, "macro-bomb");
+        assert!(shader.diagnostics[0].message.contains("1048576 tokens"));
+    });
+    assert!(took < 5.0, "{took} s");
+}
+
+fn scratch(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bounds-{}-{name}", std::process::id()))
+}
+
+#[test]
+fn what_is_no_file_of_a_bounded_size_is_refused_by_its_kind_or_limit() {
+    let refused = |path: &Path| Source::read(path).expect_err("refused").to_string();
+    let link = scratch("zero.frag");
+    let _ = std::fs::remove_file(&link);
+    std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+    assert!(refused(&link).contains("device"), "{}", refused(&link));
+    std::fs::remove_file(&link).unwrap();
+    let pipe = scratch("pipe.frag");
+    let _ = std::fs::remove_file(&pipe);
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    assert!(refused(&pipe).contains("pipe"), "{}", refused(&pipe));
+    std::fs::remove_file(&pipe).unwrap();
+    let folder = scratch("folder.frag");
+    std::fs::create_dir_all(&folder).unwrap();
+    assert!(refused(&folder).contains("directory"), "{}", refused(&folder));
+    std::fs::remove_dir(&folder).unwrap();
+    // A hole of 2 GB, and one byte more than the limit.
+    let large = scratch("large.frag");
+    let file = std::fs::File::create(&large).unwrap();
+    for size in [2 << 30, MOST_BYTES + 1] {
+        file.set_len(size).unwrap();
+        assert!(refused(&large).contains("67108864 bytes"), "{}", refused(&large));
+    }
+    std::fs::write(&large, "0123").unwrap();
+    assert_eq!(read_whole(&large, 4).unwrap(), b"0123");
+    assert!(read_whole(&large, 3).unwrap_err().to_string().contains("--max-bytes"));
+    std::fs::remove_file(&large).unwrap();
+    // Its size is said to be 0.
+    assert!(read_whole(Path::new("/proc/self/maps"), 8).is_err());
+}
