@@ -1,7 +1,7 @@
 //! What can run a shader here, as a table or as JSON that
-//! [`DEVICES_SCHEMA`](super::DEVICES_SCHEMA) describes.
+//! `landfall schema devices` describes.
 //!
-//! Fed by [`run::devices`](landfall_exec::backend::devices).
+//! Fed by [`backend::devices`](landfall_exec::backend::devices).
 
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr as _;

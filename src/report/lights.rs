@@ -21,6 +21,7 @@ pub use landfall_layout::format::words::{bytes, number};
 use landfall_layout::format::{Paint, SCHEMA_VERSION};
 use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{Files, Language};
+use landfall_layout::text::escape;
 
 pub use json::{closing, opening, shader as json};
 
@@ -28,7 +29,7 @@ pub use crate::report::schema::LIGHTS_SCHEMA;
 
 /// One shader's lights for people: a table, the parts of each, then the hazards with excerpts.
 pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
-    let mut text = paint.text(HEADING, &shader.path);
+    let mut text = paint.text(HEADING, &escape::name(&shader.path));
     text.push('\n');
     if report.lights.is_empty() {
         text.push_str("no structure, block or member of a light\n");

@@ -18,6 +18,7 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use landfall_layout::shape::Scalar;
+use landfall_layout::text::escape;
 
 pub use crate::report::schema::RUN_SCHEMA;
 
@@ -39,7 +40,7 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
         text,
         "{}  {}",
         paint.text(STRONG, &report.function),
-        paint.text(FAINT, &report.path)
+        paint.text(FAINT, &escape::name(&report.path))
     );
     let _ = writeln!(
         text,

@@ -1,4 +1,4 @@
-//! What stressing a function found: a table and findings for people, SARIF; [`json`] for programs.
+//! What stressing a function found: a table and findings for people, SARIF; `json` for programs.
 //!
 //! Reads the plain data of [`accuracy::stress`](landfall_light::accuracy::stress).
 
@@ -8,8 +8,9 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 pub use self::json::{STRESS_SCHEMA, json};
-pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
+use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::words;
+pub use landfall_layout::text::escape;
 use landfall_light::accuracy::stress::words::{figure, number};
 use landfall_light::accuracy::stress::{Odd, ReaderReport, Report, Tally, Verdict, command};
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
@@ -24,7 +25,7 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
         text,
         "{}  {}",
         paint.text(STRONG, &stressed.function),
-        paint.text(FAINT, &stressed.path)
+        paint.text(FAINT, &escape::name(&stressed.path))
     );
     let threads = match stressed.threads {
         1 => "1 thread".to_string(),
@@ -143,9 +144,9 @@ fn times(count: u64) -> String {
 
 /// A page with the map of errors and the findings below it.
 pub fn page(stressed: &Report, svg: &str) -> String {
-    let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-    let title = escaped(&stressed.function);
-    let findings = escaped(&text(stressed, Paint::Plain));
+    let title = escape::xml(&stressed.function);
+    let text = text(stressed, Paint::Plain);
+    let findings: String = text.lines().map(|line| escape::xml(line) + "\n").collect();
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
          <body>\n{svg}\n<pre>{findings}</pre>\n</body>\n</html>\n"

@@ -2,6 +2,7 @@
 //!
 //! For `--diff`, of what [`fix`](landfall_lint::fix) would do.
 
+use landfall_layout::text::escape::is_bidi;
 use similar::{ChangeTag, TextDiff};
 
 pub use landfall_layout::format::paint::{HEADING, PLAIN, Paint, REMOVED, STRONG};
@@ -63,7 +64,7 @@ fn numbers(lines: std::ops::Range<usize>) -> String {
 /// A path in a header: quoted where git quotes it, and ended by a tab where it has a space.
 fn name(side: &str, path: &str) -> String {
     let path = path.trim_start_matches("./").trim_start_matches('/');
-    let plain = |c: char| !c.is_control() && c != '"' && c != '\\';
+    let plain = |c: char| !c.is_control() && !is_bidi(c) && c != '"' && c != '\\';
     if path.chars().all(plain) {
         let end = if path.contains(' ') { "\t" } else { "" };
         return format!("{side}{path}{end}");

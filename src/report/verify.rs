@@ -18,6 +18,7 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::words;
+use landfall_layout::text::escape;
 
 pub use crate::report::schema::VERIFY_SCHEMA;
 
@@ -56,7 +57,7 @@ pub(super) fn about(device: &Device) -> String {
 
 /// One shader: a line for each block, and what disagrees or failed below it.
 pub fn shader(report: &ShaderReport, paint: Paint) -> String {
-    let mut text = paint.text(STRONG, &report.path);
+    let mut text = paint.text(STRONG, &escape::name(&report.path));
     text.push('\n');
     if report.blocks.is_empty() {
         text.push_str(&paint.text(FAINT, "  no blocks\n"));

@@ -52,6 +52,7 @@ fn run(folder: &Path, command: &str) -> Output {
         .args(&words[1..])
         .current_dir(folder)
         .env_remove("GITHUB_STEP_SUMMARY")
+        .env("LANDFALL_CACHE_KEY", "the key of these tests")
         .output()
         .expect("the command of this package")
 }

@@ -6,6 +6,6 @@ mod levels;
 mod locks;
 mod mend;
 mod outside;
-mod place;
+pub mod place;
 mod report;
 mod shards;

@@ -466,3 +466,42 @@ fn naga_itself_is_to_be_had_unpatched() {
     let hostile = Source::new("a.frag", hostile.as_str());
     assert!(Module::by_naga(&hostile, &Options::default()).is_err());
 }
+
+#[test]
+fn constant_expressions_size_blocks_and_local_arrays_alike() {
+    // GLSL 4.60 §4.3.3: built-in functions of constants are constants.
+    for (outside, size, elements) in [
+        ("", "int(clamp(5., 0., 3.))", 3),
+        ("", "int(mod(7., 4.))", 3),
+        ("", "int(pow(2., 3.))", 8),
+        ("", "int(dot(vec2(1., 2.), vec2(1., 1.)))", 3),
+        ("", "int((vec2(1., 2.) + vec2(2.)).x)", 3),
+        ("", "(ivec2(1, 2) * 3).y", 6),
+        ("", "int(round(2.6) + sign(-2.) + step(1., 2.))", 3),
+        ("", "int(trunc(3.9))", 3),
+        ("", "int(fract(2.75) * exp2(2.))", 3),
+        ("", "2 << 1u", 4),
+        ("const float F = 1.5 * 2.0;", "int(F)", 3),
+        ("const vec2 V = vec2(2.0, 3.0);", "int(V.y)", 3),
+        ("const bool B = any(bvec2(false, true));", "B ? 3 : 1", 3),
+        ("const int N = 0;", "N == 0 ? 3 : 8 / N", 3),
+        ("const int64_t L = 3L;", "int(L)", 3),
+    ] {
+        let text = |at: u32| {
+            format!(
+                "#version 450\n#extension GL_ARB_gpu_shader_int64 : require\n\
+                 layout(location = 0) out vec4 color;\n{outside}\n\
+                 layout(std140) uniform U {{ float a[{size}]; }};\n\
+                 void main() {{ float l[{size}]; l[{at}] = a[0]; color = vec4(l[{at}]); }}\n"
+            )
+        };
+        let module = runs("a.frag", &text(elements - 1));
+        assert_eq!(
+            module.blocks()[0].layout.size,
+            Some(16 * u64::from(elements)),
+            "{outside} {size}"
+        );
+        let past = refused("a.frag", &text(elements)).message;
+        assert!(past.contains(&format!("index {elements} is past the end")), "{size}: {past}");
+    }
+}

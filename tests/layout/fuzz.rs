@@ -236,6 +236,7 @@ fn binary_junk_is_laid_out_or_refused() {
                 text: text.clone().into(),
                 language,
                 stage: Some(Stage::Fragment),
+                foreign: None,
             };
             lay_out(&source, seed);
         }

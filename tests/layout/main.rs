@@ -17,6 +17,7 @@ mod oracles;
 mod port;
 mod port_naga;
 mod properties;
+mod reading;
 mod rules;
 mod wgsl;
 mod wgsl_findings;

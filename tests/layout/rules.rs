@@ -1,6 +1,6 @@
 //! What `landfall rule` says of each lint holds: it reports its own example.
 
-use landfall_layout::finding::{Finding, Level};
+use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::lock;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
 use landfall_lint::settings::{Figure, RustFile, Table, Target};
@@ -110,6 +110,17 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
                 {"path":"intensity","leaf":"intensity","expected_byte":12,"byte_read":16}]}]}]}]}"#;
             let report = driver_disagrees::read("seen.json", report).expect("a report");
             report.findings(&|_| Some(&shader))
+        }
+        "target-changes-layout" => {
+            let (_, shader) = laid_out("shaders/a.frag", lint.example);
+            let found = shader.diagnostics.iter().filter(|found| found.code == lint.code);
+            let finding = |found: &landfall_layout::Diagnostic| {
+                let place = Place::of(&shader.files, found.labels[0].span);
+                let finding =
+                    Finding::new(found.code.name(), "Light", place, found.message.clone());
+                Finding { help: found.help.clone(), ..finding }
+            };
+            found.map(finding).collect()
         }
         "unused-allow" => {
             let (_, shader) = laid_out("shaders/a.frag", lint.example);

@@ -5,6 +5,7 @@ mod support;
 
 mod corpus;
 mod digest;
+mod figures;
 mod find_hazards;
 mod findings;
 mod fix;

@@ -1,6 +1,6 @@
 //! What it is to run a shader once: a job in, an answer out, whoever runs it.
 //!
-//! The evaluator ([`eval`](super::eval)) and the drivers (`gl`, `gpu`) are the
+//! The interpreter ([`interp`](crate::interp)) and the drivers (`gl`, `gpu`) are the
 //! readers; probes and the functions of a shader are the jobs.
 
 pub mod devices;

@@ -1,5 +1,6 @@
 //! What is run: probes, functions, fragments, and whole shaders for verification.
 
+mod access;
 pub mod bindings;
 pub mod call;
 pub mod coverage;

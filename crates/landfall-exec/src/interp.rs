@@ -2,7 +2,7 @@
 //!
 //! A [`Module`] is compiled once to a flat [`Program`] (`compile`), which the
 //! `machine` runs over 64 invocations at a time. `call` runs one function,
-//! `stage` an entry point, and [`Cpu`] is the [`Reader`](super::reader::Reader).
+//! `stage` an entry point, and [`Cpu`] is the [`Reader`](crate::backend::Reader).
 //!
 //! What is computed: `f32` is rounded at each operation; `sin`, `exp`, `pow` and the
 //! like are computed in `f64` and rounded; what WGSL and GLSL define by a formula is
@@ -11,6 +11,7 @@
 //! result open, [`UndefinedKind`] lists what is noted.
 
 pub mod accuracy;
+mod body;
 mod call;
 mod code;
 mod compile;

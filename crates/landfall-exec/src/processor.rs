@@ -1,7 +1,7 @@
 //! Time on a processor, of all threads of this process.
 //!
-//! For [`remote`](super::remote), whose driver works in a process of its own, and the clock of
-//! [`bench`](mod@landfall_light::accuracy::bench).
+//! For [`subprocess`](crate::backend::subprocess), whose driver works in a process of its own, and the clock of
+//! `landfall_light::accuracy::bench`.
 
 use std::time::{Duration, Instant};
 

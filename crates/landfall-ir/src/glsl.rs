@@ -1,19 +1,16 @@
 //! GLSL of any version, bodies included, as naga IR with our offsets.
 //!
 //! A front end of our own: naga's takes neither old versions nor loose uniforms, and lays blocks
-//! out wrongly. [`parse`], [`parse_statement`] and [`declare`] make [`ast`] of the preprocessor's
-//! tokens; [`globals`] and [`blocks`] lower what stands outside functions, [`function`] and what
+//! out wrongly. Takes the syntax tree and the layout of a shader; [`globals`] and [`blocks`] lower what stands outside functions, [`function`] and what
 //! it calls lower bodies, [`host`], [`place`] and [`memory`] put blocks where our layout says,
 //! [`opaque`] binds textures, [`io`] makes the entry point.
 
-mod ast;
 mod blocks;
 mod body;
 mod call;
 mod carrier;
 mod constant;
 mod construct;
-mod declare;
 mod evaluate;
 mod expression;
 mod function;
@@ -26,8 +23,6 @@ mod math_expanded;
 mod memory;
 mod opaque;
 mod operators;
-mod parse;
-mod parse_statement;
 mod place;
 mod precision;
 mod predeclared;
@@ -48,8 +43,9 @@ use super::module::{
 use carrier::{Carriers, carrier};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Files, Source, Span, Stage};
-pub use landfall_layout::syntax::glsl::{Texts, tokens};
-use landfall_layout::{BlockLayout, Options, Severity, layout};
+pub use landfall_layout::syntax::glsl::ast;
+use landfall_layout::syntax::glsl::{Texts, parse};
+use landfall_layout::{BlockLayout, Options, Severity, layout_parsed};
 use types::{Structure, Ty};
 
 /// A result of lowering: what cannot be lowered is said with its place.
@@ -139,36 +135,26 @@ pub(super) fn lower(
     options: &Options,
     inputs: Inputs,
 ) -> Result<Lowered, Vec<Diagnostic>> {
-    let laid_out = layout(source, &Options { gather: true, naga: false, ..options.clone() });
-    let errors = |all: Vec<Diagnostic>| -> Vec<Diagnostic> {
-        all.into_iter().filter(|d| d.severity == Severity::Error).collect()
-    };
-    let found = errors(laid_out.diagnostics);
-    if !found.is_empty() {
-        return Err(found);
-    }
     let texts = Texts::new();
-    let stream = tokens(source, &options.read, &texts);
-    let found = errors(stream.diagnostics);
-    if !found.is_empty() {
-        return Err(found);
+    let mut shader = parse(source, &options.read, &texts, true);
+    let layout_options = Options { gather: true, naga: false, ..options.clone() };
+    let laid_out = layout_parsed(shader.parsed, source, &layout_options);
+    let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
+    let errors: Vec<Diagnostic> = errors.collect();
+    if !errors.is_empty() {
+        return Err(errors);
     }
-    let stage = source.stage.or_else(|| io::stage_of(&stream.tokens));
+    let stage = source.stage.or_else(|| io::stage_of(shader.parser.tokens()));
     io::check_stage(stage).map_err(|d| vec![*d])?;
-    let mut parser = parse::Parser::new(&stream.tokens);
-    parser.stage_reads_varyings = stage != Some(Stage::Vertex);
-    if stream.es {
-        // GLSL ES 3.20 §4.7.4: a fragment shader says what its floats are.
-        let float = (stage != Some(Stage::Fragment)).then_some(ast::Precision::High);
-        parser.precisions = Some(parse::Precisions { float, sampled: ast::Precision::Low });
-    }
-    let items = parser.items().map_err(|d| vec![*d])?;
-    let reduced = if stream.es { precision::reduced(&items) } else { FxHashSet::default() };
+    let es = shader.parser.is_es();
+    let mut items = shader.items;
+    shader.parser.complete(&mut items, stage).map_err(|error| vec![*error.diagnostic()])?;
+    let reduced = if es { precision::reduced(&items) } else { FxHashSet::default() };
     let mut lowerer = Lowerer {
         ir: naga::Module::default(),
         stage,
         wanted_inputs: inputs,
-        bases: Bases::new(&stream.files),
+        bases: Bases::new(&laid_out.files),
         overrides: &options.read.overrides,
         layouts: laid_out.blocks,
         blocks: Vec::new(),
@@ -208,7 +194,7 @@ pub(super) fn lower(
         inputs,
         outputs,
         left_out: lowerer.left_out,
-        files: stream.files,
+        files: laid_out.files,
         reduced: reduced.iter().filter_map(|span| range(lowerer.bases.to_naga(*span))).collect(),
         bases: lowerer.bases,
     })

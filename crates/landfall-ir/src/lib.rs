@@ -2,8 +2,10 @@
 
 pub mod analysis;
 mod glsl;
+mod lower;
 pub mod module;
 pub mod reach;
+mod stack;
 mod wgsl;
 
 pub use module::Module;

@@ -1,7 +1,7 @@
 //! A shader as naga IR whose offsets, array strides and sizes are landfall's, validated.
 //!
-//! Fed by `glsl` for GLSL of any version and by naga's own front
-//! end for WGSL. Feeds the evaluator and wgpu.
+//! Made by `lower` from GLSL of any version and from WGSL. Feeds the interpreter
+//! and the drivers.
 
 use landfall_layout::diagnostic::Code;
 use std::panic::{self, AssertUnwindSafe};
@@ -10,13 +10,12 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{GlobalVariable, Handle};
 use rustc_hash::FxHashSet;
 
-use super::{glsl, wgsl};
-use landfall_layout::layout::BlockLayout;
-use landfall_layout::source::{Files, Language, Source, Span, Stage};
-use landfall_layout::{Diagnostic, Options};
+mod describe;
 
-/// Bytes of stack for what recurses over a shader's text; it is touched only as far as it nests.
-const STACK: usize = 256 << 20;
+use describe::{functions, handles};
+use landfall_layout::Diagnostic;
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::source::{Files, Span, Stage};
 
 /// A runnable shader.
 #[derive(Clone, Debug)]
@@ -31,11 +30,11 @@ pub struct Module {
     pub files: Files,
     /// Where each file begins in the numbering of naga's spans.
     pub bases: Vec<u32>,
-    handles: Vec<ModuleHandle>,
-    functions: Vec<FunctionInfo>,
-    inputs: Vec<EntryInterface>,
-    outputs: Vec<EntryInterface>,
-    left_out: Vec<LeftOut>,
+    pub(crate) handles: Vec<ModuleHandle>,
+    pub(crate) functions: Vec<FunctionInfo>,
+    pub(crate) inputs: Vec<EntryInterface>,
+    pub(crate) outputs: Vec<EntryInterface>,
+    pub(crate) left_out: Vec<LeftOut>,
     /// Names of local variables by expression.
     pub locals: Locals,
     /// The expressions that need no more than `mediump`, by their spans in naga's numbering.
@@ -171,57 +170,6 @@ pub enum Direction {
 }
 
 impl Module {
-    /// Makes a shader runnable. Loose uniforms are one std140 block named `DefaultBlock`.
-    ///
-    /// # Errors
-    /// What is wrong with the shader, or what in it cannot run, with its place.
-    pub fn new(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| Module::made(source, options, Inputs::OfMain)?.validated())
-    }
-
-    /// The same for calls: its functions are called by themselves, with the inputs any of them
-    /// reads.
-    pub fn for_calls(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| Module::made(source, options, Inputs::OfAny)?.validated())
-    }
-
-    /// The same without asking naga's validator: for who only reads it.
-    pub(super) fn unchecked(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| Module::made(source, options, Inputs::OfMain))
-    }
-
-    fn made(source: &Source, options: &Options, inputs: Inputs) -> Result<Module, Vec<Diagnostic>> {
-        match source.language {
-            Language::Glsl => {
-                let lowered = glsl::lower(source, options, inputs)?;
-                Ok(Module {
-                    info: ModuleInfo::default(),
-                    ir: lowered.ir,
-                    blocks: lowered.blocks,
-                    bases: lowered.bases.starts,
-                    files: lowered.files,
-                    handles: lowered.handles,
-                    functions: lowered.functions,
-                    inputs: lowered.inputs,
-                    outputs: lowered.outputs,
-                    left_out: lowered.left_out,
-                    reduced: lowered.reduced,
-                    locals: Locals::Anything,
-                })
-            }
-            Language::Wgsl => wgsl::patched(source, options),
-        }
-    }
-
-    /// The module as naga's own front end makes it, its offsets as naga has them: what a program
-    /// that hands the text to wgpu gets. For proving naga wrong.
-    ///
-    /// # Errors
-    /// What naga, or its validator, says of the text.
-    pub fn by_naga(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| wgsl::by_naga(source, options)?.validated())
-    }
-
     /// The module as SPIR-V for Vulkan, names included, overrides with their values in force.
     ///
     /// # Errors
@@ -351,8 +299,8 @@ impl Module {
         Module {
             info: ModuleInfo::default(),
             bases: Bases::new(&files).starts,
-            functions: wgsl::functions(&ir),
-            handles: wgsl::handles(&ir),
+            functions: functions(&ir),
+            handles: handles(&ir),
             ir,
             blocks,
             files,
@@ -375,21 +323,6 @@ fn chain(error: &dyn std::error::Error) -> String {
         cause = error.source();
     }
     text
-}
-
-/// Runs what recurses over a shader; a text that nests deeply does not end the program.
-pub(super) fn on_a_large_stack<T: Send>(
-    run: impl FnOnce() -> Result<T, Vec<Diagnostic>> + Send,
-) -> Result<T, Vec<Diagnostic>> {
-    std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
-        let message = match thread.map(|thread| thread.join()) {
-            Ok(Ok(result)) => return result,
-            Ok(Err(_)) => "landfall failed on this shader; please report it",
-            Err(_) => "there is no memory for a thread",
-        };
-        Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
-    })
 }
 
 /// Where each file begins in the numbering of naga's spans.

@@ -1,8 +1,8 @@
 //! What a function of naga's IR reaches: statements within statements, functions it calls,
 //! variables they name.
 //!
-//! Feeds whoever asks of a shader what it does without running it: [`call`](super::call),
-//! [`coverage`](super::coverage), [`fragments`](super::fragments), [`hazards`](super::hazards).
+//! Feeds whoever asks of a shader what it does without running it: [`hazards`](crate::analysis::hazards),
+//! and calls, coverage and fragments in `landfall_exec::harness`.
 
 use naga::{Block, Expression, Function, GlobalVariable, Handle, Module, Statement};
 use rustc_hash::FxHashSet;

@@ -11,7 +11,7 @@ use crate::codegen::c::{COptions, c};
 use crate::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::error::Error;
-use crate::file::write_whole;
+use crate::file::FileWriter;
 use crate::format::{Paint, diagnostics};
 use crate::source::{Files, Source, Target};
 use crate::{Options, ShaderLayout, layout};
@@ -196,9 +196,10 @@ impl Build {
         for warning in &said.warnings {
             println!("cargo::warning={warning}");
         }
+        let writer = FileWriter::new(&said.watched);
         said.into_result()?;
         for (output, text) in self.outputs.iter().zip(texts) {
-            write_whole(&output.path()?, text)?;
+            writer.write(&output.path()?, text)?;
         }
         Ok(())
     }

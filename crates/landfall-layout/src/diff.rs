@@ -4,7 +4,7 @@
 //! A pure function over the model: [`diff`] reads [`BlockLayout`]s, gives plain [`Change`]s.
 //! `pair` finds which blocks belong together, `leaves` compares bytes, `describe` folds what it
 //! finds into one line a change, `block` compares the rest. Fed by shaders and
-//! [`locks`](crate::lock); read by [`emit`](crate::format) and the lint `layout-drift`.
+//! [`locks`](crate::lock); read by [`format`](mod@crate::format) and the lint `layout-drift`.
 //!
 //! The classes follow from the bytes alone. Every element of every array of the old block has a
 //! path, a place and a type (matrix stride and majorness with it). It is *in place* when the new

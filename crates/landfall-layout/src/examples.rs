@@ -160,5 +160,6 @@ pub fn shader(path: &str, language: Language, blocks: Vec<BlockLayout>) -> Shade
         overrides: vec![],
         files,
         diagnostics: vec![],
+        assumed_target: None,
     }
 }

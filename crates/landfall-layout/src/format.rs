@@ -19,15 +19,17 @@ pub mod paint;
 mod place;
 mod table;
 pub mod values;
-pub mod visible;
 pub mod words;
 
 pub use crate::lock::LOCK_SCHEMA;
 pub use expand::MOST_OFFSETS;
 pub use paint::Paint;
 
+use std::borrow::Cow;
+
 use crate::ShaderLayout;
 use crate::diagnostic::Diagnostic;
+use crate::text::escape;
 
 /// Name of the tool in its products, whichever of its crates writes them.
 pub const NAME: &str = "landfall";
@@ -122,12 +124,21 @@ pub fn closing(options: &EmitOptions, shaders: usize) -> &'static str {
 
 /// The layouts of one shader.
 pub fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
-    match options.format {
+    let text = match options.format {
         Format::Table => table::shader(shader, options),
         Format::Listing => listing::shader(shader, options),
-        Format::Json => json::shader(shader, options),
+        Format::Json => return json::shader(shader, options),
         Format::Csv => csv::shader(shader, options),
         Format::Markdown => markdown::shader(shader, options),
+    };
+    shown(text, options.paint)
+}
+
+/// A text for people, without anything that a terminal or a log obeys but our own styles.
+pub fn shown(text: String, paint: Paint) -> String {
+    match escape::output(&text, paint.styles()) {
+        Cow::Borrowed(_) => text,
+        Cow::Owned(safe) => safe,
     }
 }
 
@@ -138,6 +149,21 @@ pub fn document(layouts: &ShaderLayout, options: &EmitOptions) -> String {
     text.push_str(closing(options, 1));
     text
 }
+
+/// Whether a text looks like a [`document`] about a file of that name, so that nothing else is
+/// lost when it is written anew.
+pub fn is_document(text: &str, format: Format, name: &str) -> bool {
+    let first = text.lines().next().unwrap_or_default();
+    match format {
+        Format::Json => crate::lock::is_lock(text),
+        Format::Csv => first.starts_with(CSV_START),
+        Format::Markdown => first.starts_with("# ") && first.contains(name),
+        Format::Table | Format::Listing => first.contains(name),
+    }
+}
+
+/// The first columns of a CSV document.
+const CSV_START: &str = "shader,block,instance,";
 
 /// What these options cannot be met for: blocks with more than [`MOST_OFFSETS`] elements to
 /// expand. They are written as patterns.

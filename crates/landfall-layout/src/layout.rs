@@ -11,6 +11,7 @@ pub mod measure;
 pub mod padding;
 pub mod path;
 pub mod rules;
+pub mod targets;
 pub mod uniform_constraints;
 
 use crate::diagnostic::Code;
@@ -53,7 +54,8 @@ pub struct BlockLayout {
     pub binding: Option<u32>,
     /// Dimensions of an array of blocks, outermost first: each element is a buffer of its own.
     pub count: Vec<ArrayLen>,
-    /// Bytes a buffer must hold, a runtime-sized tail counted with one element.
+    /// Bytes a buffer must hold, as desktop drivers report (OpenGL ES leaves the reported size to
+    /// the implementation), a runtime-sized tail counted with one element.
     /// std140 rounds up to 16, as drivers report; the others to the block's alignment.
     /// `None` for loose uniforms.
     pub size: Option<u64>,
@@ -217,6 +219,8 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
     let size = match block.rules {
         // OpenGL 4.6 §7.6.2.2, end: the data size is rounded up to the alignment of a vec4.
         Rules::Std140 => Alignment::VEC4.round_up(reach),
+        // WGSL §14.4.1: a buffer of no structure has SizeOf its type, 12 for a `vec3f`.
+        Rules::Wgsl if is_bare_variable(block) => Ok(reach),
         // Rule 9 and WGSL §14.4.2: a structure is padded to its alignment.
         Rules::Std430 | Rules::Wgsl => whole.align.round_up(reach),
         // GL_EXT_scalar_block_layout: a structure ends with its last member.
@@ -227,6 +231,12 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
     result.size = Some(size);
     result.align = Some(whole.align.bytes());
     Ok(())
+}
+
+/// Whether the block is a variable of WGSL whose type is no structure.
+fn is_bare_variable(block: &Block) -> bool {
+    let alone = |member: &Member| member.name == block.name;
+    block.instance.is_none() && block.members.len() == 1 && block.members.iter().all(alone)
 }
 
 /// GLSL 4.60 §4.4.5: what an explicit offset must satisfy.

@@ -20,6 +20,7 @@ pub mod naga_compare;
 #[doc(hidden)]
 #[cfg(feature = "naga")]
 pub mod naga_front;
+pub mod other_language;
 pub mod port;
 mod shader;
 pub mod shape;
@@ -34,6 +35,6 @@ pub use build_script::{Build, BuildError};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::Error;
 pub use layout::{BlockLayout, Leaf, MemberLayout};
-pub use shader::{Options, ShaderLayout, layout};
+pub use shader::{Options, ShaderLayout, layout, layout_parsed};
 pub use shape::{AddressSpace, ArrayLen, Rules, Type};
 pub use source::{Files, Language, ReadOptions, Source, Span, Stage, Target};

@@ -2,9 +2,10 @@
 //!
 //! [`write()`] makes a lock's text from a [`ShaderLayout`], [`read()`] makes real
 //! [`BlockLayout`]s from a lock or from the output of `layout --format json`, and
-//! [`drift`] holds a shader against its lock. Files are the command's business.
+//! the lint `layout-drift` compares a shader with its lock. Files are the command's business.
 
 mod check;
+mod place;
 mod read;
 mod spelling;
 mod write;
@@ -14,9 +15,9 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::ShaderLayout;
 use crate::layout::BlockLayout;
-use crate::source::{Files, Language, Stage};
+use crate::source::{Files, Language, Stage, Target};
 
-pub use read::{is_newer, read, read_all};
+pub use read::{is_lock, is_newer, read, read_all};
 pub use write::{renew, write};
 
 /// Version of the form of locks; a change that could break a reader raises it.
@@ -38,6 +39,8 @@ pub struct Lock {
     pub blocks: Vec<BlockLayout>,
     /// Who has read the blocks back from a GPU and found them so.
     pub verified: Vec<Verified>,
+    /// The API the text was read for, where it does not say and its blocks depend on it.
+    pub assumed_target: Option<Target>,
     /// The JSON, so that spans can be turned into lines.
     pub files: Files,
 }
@@ -67,17 +70,18 @@ impl Lock {
             overrides: Vec::new(),
             files: self.files.clone(),
             diagnostics: Vec::new(),
+            assumed_target: self.assumed_target,
         }
     }
 
     /// The lock's text.
     pub fn text(&self) -> String {
-        write::document(&self.blocks, self.language, &self.verified)
+        write::document(&self.layout(), &self.verified)
     }
 
     /// The lock's text with nothing verified.
     pub fn bare(&self) -> String {
-        write::document(&self.blocks, self.language, &[])
+        write::document(&self.layout(), &[])
     }
 }
 

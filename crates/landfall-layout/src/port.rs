@@ -16,10 +16,12 @@ mod environment;
 mod hoist;
 mod interface;
 mod outline;
+#[cfg(feature = "naga")]
 mod separate;
 mod shader;
 mod site;
 mod uniforms;
+#[cfg(feature = "naga")]
 mod wgsl;
 mod words;
 
@@ -170,6 +172,16 @@ pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagno
     }
 }
 
+/// Without naga nothing can be checked against it, nor written by it.
+#[cfg(not(feature = "naga"))]
+fn through_naga(ported: Ported, _: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+    let path = &ported.source.path;
+    let message = format!("`{path}` needs naga to be ported further, and this build is without it");
+    let diagnostic = Diagnostic::error(Code::NotPortable, Span::default(), message);
+    Err(vec![diagnostic.with_help("enable landfall's feature `naga`")])
+}
+
+#[cfg(feature = "naga")]
 fn through_naga(mut ported: Ported, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
     let read = ReadOptions { target: Some(Target::Vulkan), ..options.read.clone() };
     let layouts = Options { read: read.clone(), ..Options::default() };

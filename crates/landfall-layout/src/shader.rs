@@ -3,7 +3,8 @@
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::layout::BlockLayout;
 use crate::shape::{Override, Rules};
-use crate::source::{Files, Language, ReadOptions, Source, Stage};
+use crate::source::{Files, Language, ReadOptions, Source, Stage, Target};
+use crate::syntax::Parsed;
 
 /// How a shader is laid out.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +36,9 @@ pub struct ShaderLayout {
     pub files: Files,
     /// Errors and warnings in the order they were found.
     pub diagnostics: Vec<Diagnostic>,
+    /// The API a GLSL text was read for, where nothing says which and it has other blocks for
+    /// the other one.
+    pub assumed_target: Option<Target>,
 }
 
 impl ShaderLayout {
@@ -46,7 +50,28 @@ impl ShaderLayout {
 
 /// Lays out every block of a shader.
 pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
-    let parsed = crate::syntax::parse(source, &options.read, options.gather);
+    layout_parsed(crate::syntax::parse(source, &options.read, options.gather), source, options)
+}
+
+/// Lays out every block of a shader that is parsed already, its loose uniforms gathered or not.
+pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> ShaderLayout {
+    let (assumed, bodies) = (parsed.assumed, parsed.bodies.clone());
+    let mut shader = placed(source, options, parsed);
+    if let Some(target) = assumed.filter(|_| !shader.has_errors()) {
+        crate::layout::targets::compare(source, options, &mut shader, target);
+    }
+    #[cfg(feature = "naga")]
+    // naga is not asked about a text that is refused here: it panics on some of those.
+    if options.naga && !shader.has_errors() {
+        crate::naga_compare::ask(source, &bodies, &mut shader.blocks);
+    }
+    #[cfg(not(feature = "naga"))]
+    let _ = bodies;
+    shader
+}
+
+/// Lays out what was read of a shader.
+pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> ShaderLayout {
     let mut diagnostics = parsed.diagnostics;
     let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
     for mut block in parsed.shape.blocks {
@@ -63,17 +88,15 @@ pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
         }
         match crate::layout::lay_out(&block) {
             Ok(layout) => {
-                extend_once(&mut diagnostics, crate::layout::uniform_constraints::check(&block));
+                if !parsed.standard_uniforms {
+                    let found = crate::layout::uniform_constraints::check(&block);
+                    extend_once(&mut diagnostics, found);
+                }
                 diagnostics.extend(crate::layout::untold_order(&block, &layout));
                 blocks.push(layout);
             }
             Err(mut found) => diagnostics.append(&mut found),
         }
-    }
-    #[cfg(feature = "naga")]
-    // naga is not asked about a text that is refused here: it panics on some of those.
-    if options.naga && !diagnostics.iter().any(|d| d.severity == Severity::Error) {
-        crate::naga_compare::ask(source, &parsed.bodies, &mut blocks);
     }
     ShaderLayout {
         path: source.path.clone(),
@@ -83,6 +106,7 @@ pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
         overrides: parsed.shape.overrides,
         files: parsed.files,
         diagnostics,
+        assumed_target: None,
     }
 }
 

@@ -5,10 +5,9 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use std::{fs, io};
 
 use crate::error::Error;
-use crate::file::reason;
+use crate::file::{MOST_BYTES, read_whole};
 
 /// The language a shader is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -146,6 +145,18 @@ pub struct Source {
     pub language: Language,
     /// The stage, from the extension unless set; WGSL has none.
     pub stage: Option<Stage>,
+    /// Bytes of the file that are not UTF-8 and were read as Latin-1.
+    pub foreign: Option<Foreign>,
+}
+
+/// Bytes of a file that are not UTF-8, which GLSL takes in comments (4.60 §3.1). Each is read as
+/// the character of Latin-1 that has its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Foreign {
+    /// Where the first of them is in the text.
+    pub first: u32,
+    /// How many there are.
+    pub count: u32,
 }
 
 impl Source {
@@ -154,21 +165,40 @@ impl Source {
         let path = path.into();
         let (language, stage) = kind_of_path(Path::new(&path)).unwrap_or((Language::Glsl, None));
         let text: Arc<str> = text.into();
-        let text = match text.strip_prefix('\u{feff}') {
-            Some(rest) => Arc::from(rest),
-            None => text,
-        };
-        Source { path, text, language, stage }
+        Source { path, text: normalized(text), language, stage, foreign: None }
+    }
+
+    /// A shader from the bytes of a file.
+    ///
+    /// # Errors
+    /// The bytes are UTF-16, or one of them is zero.
+    pub fn from_bytes(path: impl Into<String>, bytes: Vec<u8>) -> Result<Source, Error> {
+        let path = path.into();
+        let (text, foreign) = decode_shader(&path, bytes)?;
+        Ok(Source { foreign, ..Source::new(path, text) })
     }
 
     /// Reads a shader from a file.
     ///
     /// # Errors
-    /// The file cannot be read, is a directory, or is not UTF-8.
+    /// The file cannot be read, is a directory, or is not text.
     pub fn read(path: impl AsRef<Path>) -> Result<Source, Error> {
         let path = path.as_ref();
-        Ok(Source::new(path.display().to_string(), read_text(path)?))
+        Source::from_bytes(path.display().to_string(), read_bytes(path, None)?)
     }
+}
+
+/// A text without its byte-order mark and with LF for every lone CR, byte for byte in its place:
+/// whoever looks for the ends of lines needs to know one character.
+pub(crate) fn normalized(text: Arc<str>) -> Arc<str> {
+    let lone = |text: &str, at: usize| text.as_bytes().get(at + 1) != Some(&b'\n');
+    let rest = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    if memchr::memchr_iter(b'\r', rest.as_bytes()).any(|at| lone(rest, at)) {
+        let ends = rest.char_indices();
+        let ends = ends.map(|(at, c)| if c == '\r' && lone(rest, at) { '\n' } else { c });
+        return ends.collect::<String>().into();
+    }
+    if rest.len() < text.len() { Arc::from(rest) } else { text }
 }
 
 /// What a path's extension says of a file: `None` when it is no shader's.
@@ -193,16 +223,51 @@ fn stage_of_extension(extension: &str) -> Option<Stage> {
     STAGES.iter().find(|row| row.2.contains(&extension)).map(|row| row.0)
 }
 
-/// Reads a whole text file, telling apart the ways in which it may not be one.
-pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
-    let shown = path.display().to_string();
-    let bytes = fs::read(path).map_err(|cause| match cause.kind() {
-        io::ErrorKind::IsADirectory => {
-            Error::new(&shown, "is a directory, not a shader file").unreadable()
+/// Reads the bytes of a shader.
+///
+/// # Errors
+/// As [`read_whole`].
+pub fn read_bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, Error> {
+    read_whole(path, most.unwrap_or(MOST_BYTES)).map_err(|error| match path.is_dir() {
+        true => {
+            let shown = path.display().to_string();
+            Error::new(shown, "is a directory, not a shader file").unreadable()
         }
-        _ => Error::new(&shown, format!("cannot be read: {}", reason(&cause))).unreadable(),
-    })?;
-    decode(&shown, bytes)
+        false => error,
+    })
+}
+
+/// The text of a shader's bytes: UTF-8, and what is not read as Latin-1.
+///
+/// # Errors
+/// UTF-16 and binary data are named.
+pub(crate) fn decode_shader(
+    path: &str,
+    bytes: Vec<u8>,
+) -> Result<(String, Option<Foreign>), Error> {
+    let bytes = match std::str::from_utf8(&bytes) {
+        Err(_) if !starts_as_utf16(&bytes) && !bytes.contains(&0) => bytes,
+        _ => return Ok((decode(path, bytes)?, None)),
+    };
+    let mut text = String::with_capacity(bytes.len() + 64);
+    let mut foreign: Option<Foreign> = None;
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        for &byte in chunk.invalid() {
+            let found = foreign.get_or_insert(Foreign { first: text.len() as u32, count: 0 });
+            found.count += 1;
+            text.push(char::from(byte));
+        }
+    }
+    // Places are counted without a byte-order mark.
+    if let (Some(found), true) = (&mut foreign, text.starts_with('\u{feff}')) {
+        found.first -= '\u{feff}'.len_utf8() as u32;
+    }
+    Ok((text, foreign))
+}
+
+fn starts_as_utf16(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])
 }
 
 /// The text of a file's bytes: UTF-8, with or without a byte-order mark.
@@ -214,7 +279,7 @@ pub fn decode(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
 }
 
 fn decoded(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+    if starts_as_utf16(&bytes) {
         return Err(
             Error::new(path, "is UTF-16, but read as UTF-8").with_help("save the file as UTF-8")
         );
@@ -276,7 +341,9 @@ pub struct File {
 impl File {
     fn lines(&self) -> &[u32] {
         self.lines.get_or_init(|| {
-            let ends = memchr::memchr_iter(b'\n', self.text.as_bytes());
+            let bytes = self.text.as_bytes();
+            let ends = memchr::memchr2_iter(b'\n', b'\r', bytes)
+                .filter(|&at| bytes[at] == b'\n' || bytes.get(at + 1) != Some(&b'\n'));
             std::iter::once(0).chain(ends.map(|end| end as u32 + 1)).collect()
         })
     }
@@ -358,4 +425,6 @@ pub struct ReadOptions {
     pub overrides: Vec<(String, String)>,
     /// The API a GLSL text is meant for; `None` decides by the text.
     pub target: Option<Target>,
+    /// Bytes of the largest file that is read; [`MOST_BYTES`] unless set.
+    pub max_bytes: Option<u64>,
 }

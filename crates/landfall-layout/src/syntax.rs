@@ -1,12 +1,12 @@
 //! From text to [`Shape`]: the declarations of a shader, function bodies passed over.
 
-pub(crate) mod constant;
+pub mod constant;
 pub mod glsl;
 pub(crate) mod wgsl;
 
 use crate::diagnostic::Diagnostic;
 use crate::shape::Shape;
-use crate::source::{Files, Language, ReadOptions, Source, Span};
+use crate::source::{Files, Language, ReadOptions, Source, Span, Target};
 
 /// What was read of a shader.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +19,10 @@ pub struct Parsed {
     pub diagnostics: Vec<Diagnostic>,
     /// Function bodies in the shader's own file: from after `{` to before `}`.
     pub bodies: Vec<Span>,
+    /// The API a GLSL text that asks for `VULKAN` was read for, where nothing says which.
+    pub assumed: Option<Target>,
+    /// Whether a WGSL text requires `uniform_buffer_standard_layout`.
+    pub standard_uniforms: bool,
 }
 
 /// Reads the declarations of a shader. With `gather`, loose uniforms become one std140 block.

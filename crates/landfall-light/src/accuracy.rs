@@ -3,7 +3,7 @@
 //! [`inputs`] says what a function may be called with; [`stress`] looks for those at which it
 //! breaks; [`bench`](mod@bench) measures variants on readers against the reference and ranks them;
 //! [`plot`] draws what was found. Everything here runs on [`run`](landfall_exec) and is printed by
-//! [`emit`](landfall_layout::format).
+//! the reports of the command.
 
 pub mod bench;
 pub mod inputs;

@@ -18,6 +18,9 @@ pub use mesh::{cube, plane, sphere};
 pub use obj::{ObjFault, ObjMesh, read_obj};
 pub use read::{MOST_PIXELS, Open, Reading, read, read_file};
 
+/// Largest coordinate or length: the square of what is larger has no `f32`.
+const LARGEST: f64 = landfall_ir::analysis::hazard::threshold::COORDINATE.value;
+
 /// A camera, lights, materials and objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {

@@ -9,28 +9,26 @@
 pub mod bound;
 mod cost;
 mod cull;
-mod interpolation;
 mod lists;
 mod measure;
 mod options;
 mod patch;
-mod plan;
 pub mod radius;
 pub mod region;
-mod settings;
 mod upload;
 mod used;
 
 pub use cost::Costs;
-pub use interpolation::interpolate;
-pub use lists::TileLists;
 pub use measure::{brute, compare};
 pub use options::{Choose, Cull, Division, Interpolate, Options, PARTS, parse};
-pub use plan::{Claim, Draw, Grid, LightSet, Measured, Plan, Savings, Step};
-pub use settings::{Compiled, Place, Setting, Value};
 pub use upload::{Choice, choose};
 
 use std::collections::HashMap;
+
+pub use crate::plan::{
+    Claim, Compiled, Draw, Grid, LightSet, Measured, Place, Plan, Savings, Setting, Step,
+    TileLists, Value, interpolate,
+};
 
 use super::compiled::Model;
 use super::{Frame, Upload};

@@ -1,16 +1,16 @@
 //! `// landfall: allow(code)` and `allow-file(code)` in the comments of a shader and its includes.
 //!
 //! Read from the texts behind a [`ShaderLayout`](landfall_layout::ShaderLayout); obeyed by
-//! [`run`]. Plain data with paths and lines, so that what a comment
+//! [`run`](super::run). Plain data with paths and lines, so that what a comment
 //! suppressed can be cached, and gathered from several runs.
 
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::renamed;
+use super::levels::level as level_of;
+use super::registry::{LINTS, lint, renamed};
 use super::settings::Settings;
-use super::{LINTS, lint, run};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::source::{Files, Language, Span};
 use landfall_layout::text::edit_distance::nearest;
@@ -71,7 +71,7 @@ pub fn suppress(findings: &mut Vec<Finding>, allows: &mut [Allow]) {
 ///
 /// An include is seen by several shaders: its comment is used when it was for one of them.
 pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> bool) -> Vec<Finding> {
-    let level = run::level(UNUSED, settings);
+    let level = level_of(UNUSED, settings);
     if level == Level::Allow {
         return Vec::new();
     }
@@ -125,7 +125,7 @@ impl Allow {
                 None => finding(message).with_help("`landfall rule` lists the lints"),
             });
         }
-        if run::level(&self.code, settings) == Level::Allow || !asked(&self.code) {
+        if level_of(&self.code, settings) == Level::Allow || !asked(&self.code) {
             return None;
         }
         let reach = match self.lines {

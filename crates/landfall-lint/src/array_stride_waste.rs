@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::bytes;
 use super::walk::{Visit, declared, members};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::occupied;
 use landfall_layout::layout::rules::extent;

@@ -6,8 +6,9 @@ mod program;
 
 use std::collections::BTreeMap;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::{counted, listing, may_be_vulkan, place};
-use super::{Check, Lint, Settings, Subject};
 use compare::{Difference, View, alike, collide, differences, is_head, shared, view};
 use landfall_layout::ShaderLayout;
 use landfall_layout::finding::{Finding, Level};
@@ -285,7 +286,7 @@ fn first(all: &[Difference]) -> String {
         [] => "they are laid out differently".to_string(),
         [only] => only.text.clone(),
         [first, rest @ ..] => {
-            format!("{}, and {}", first.text, counted(rest.len() as u64, "more difference"))
+            format!("{}, and {}", first.text, counted(rest.len(), "more difference"))
         }
     }
 }
@@ -296,8 +297,7 @@ fn with_differences(mut finding: Finding, all: &[Difference]) -> Finding {
         finding = finding.with_note(difference.text.clone());
     }
     if all.len() > 1 + MOST_NAMED {
-        finding =
-            finding.with_note(counted((all.len() - 1 - MOST_NAMED) as u64, "more difference"));
+        finding = finding.with_note(counted(all.len() - 1 - MOST_NAMED, "more difference"));
     }
     finding
 }

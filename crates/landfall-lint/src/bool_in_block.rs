@@ -1,7 +1,8 @@
 //! `bool-in-block`: a truth value of four bytes.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::walk::{Visit, members};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
 

@@ -1,8 +1,10 @@
 //! `buffer-too-small`: sizes and offsets somebody wrote down by hand, held against the layout.
 
+use super::definition::{Check, Lint, Subject};
+use super::glob;
+use super::settings::Settings;
 use super::settings::{Figure, Row, Table};
 use super::show::{bytes, is_called, listing, place};
-use super::{Check, Lint, Settings, Subject, glob};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::layout::explain::explain;

@@ -5,8 +5,9 @@
 
 use rustc_hash::FxHashMap;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::full_listing;
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level, Place};
 pub use landfall_layout::layout::measure::fixed;
 use landfall_layout::layout::{BlockLayout, Leaf};

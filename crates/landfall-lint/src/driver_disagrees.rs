@@ -6,8 +6,8 @@
 use rustc_hash::FxHashMap;
 use serde::Deserialize;
 
+use super::definition::{Check, Lint};
 use super::show::full_listing;
-use super::{Check, Lint};
 use landfall_layout::ShaderLayout;
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level, Place};

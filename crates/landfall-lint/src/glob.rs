@@ -1,5 +1,5 @@
-//! Which shaders a setting is about: globs of paths, matched without a library, since the lints
-//! are there without the command too.
+//! Which shaders a setting is about: globs of paths. The command's globset would bring
+//! regex-automata and aho-corasick to everybody who lints from a program; this is one short match.
 //!
 //! `*` and `?` stay within a directory, `**` does not, `{a,b}` is either, `[a-z]` one of a set.
 //! A pattern matches a whole path, or its end from some directory on: `lights/*.frag` matches

@@ -26,7 +26,7 @@ mod words;
 
 use glance::Glance;
 
-use super::{Check, LINTS, Lint, Subject};
+use super::definition::{Check, Lint, Subject};
 use landfall_ir::analysis::hazards::{Certainty, Found, Kind, Occurrence, find};
 use landfall_ir::analysis::roles::{Held, held};
 use landfall_ir::analysis::words::words as words_of;
@@ -34,6 +34,26 @@ use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::source::{Files, Language};
 use landfall_layout::{Diagnostic, Options, ShaderLayout, Source};
+
+/// The lints whose findings are hazards.
+const HAZARD_LINTS: &[&Lint] = &[
+    &ambient_per_light::LINT,
+    &attenuation_division::LINT,
+    &cone_division::LINT,
+    &cosine_cone::LINT,
+    &degrees_for_cosine::LINT,
+    &kahan_without_precise::LINT,
+    &loop_past_count::LINT,
+    &mediump_position::LINT,
+    &pow_of_negative::LINT,
+    &pow_of_zero::LINT,
+    &unclamped_count::LINT,
+    &ungated_specular::LINT,
+    &unguarded_normalize::LINT,
+    &uninitialised_accumulator::LINT,
+    &unnormalised_normal::LINT,
+    &vec4_normalise::LINT,
+];
 
 /// What is known of a shader's lights besides their layout.
 #[derive(Debug, Default)]
@@ -64,7 +84,7 @@ pub fn analyse(
 /// The lint of a kind of hazard.
 pub fn lint_of(kind: Kind) -> &'static Lint {
     let is = |lint: &&&Lint| matches!(lint.check, Check::Hazard(own) if own == kind);
-    LINTS.iter().find(is).expect("every kind is a lint's")
+    HAZARD_LINTS.iter().find(is).expect("every kind is a lint's")
 }
 
 /// A hazard as a finding; its level is that of its lint.

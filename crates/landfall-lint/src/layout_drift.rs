@@ -1,6 +1,6 @@
 //! `layout-drift`: a block is not what its lock says. Found by [`crate::drift`].
 
-use super::{Check, Lint};
+use super::definition::{Check, Lint};
 use landfall_layout::finding::Level;
 
 pub(super) const LINT: Lint = Lint {

@@ -1,6 +1,6 @@
 //! `lock-missing`: a shader with blocks has no lock. Found by [`crate::drift`].
 
-use super::{Check, Lint};
+use super::definition::{Check, Lint};
 use landfall_layout::finding::Level;
 
 pub(super) const LINT: Lint = Lint {

@@ -1,6 +1,6 @@
 //! `lock-orphan`: a lock has no shader. Found by [`landfall_layout::lock::orphan`].
 
-use super::{Check, Lint};
+use super::definition::{Check, Lint};
 use landfall_layout::finding::Level;
 
 pub(super) const LINT: Lint = Lint {

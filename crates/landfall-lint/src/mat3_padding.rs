@@ -1,7 +1,8 @@
 //! `mat3-padding`: matrices whose columns, or rows, are shorter than their distance.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::walk::{Visit, members};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 pub use landfall_layout::layout::measure::matrix_vector;
 use landfall_layout::shape::{Scalar, ScalarKind, Type};

@@ -5,8 +5,9 @@
 
 mod cause;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::full_listing;
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::{BlockLayout, Leaf, NagaPlace};
 use landfall_layout::source::Language;

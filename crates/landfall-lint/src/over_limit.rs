@@ -1,8 +1,9 @@
 //! `over-limit`: blocks larger, or more of them, than every implementation of a target must take.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::settings::Target;
 use super::show::{bytes, counted, listing, place};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 pub use landfall_layout::layout::measure::{elements, fixed};
@@ -240,7 +241,7 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     let block = first_over?;
     let message = format!(
         "{stage} has {}, but {} guarantees only {limit}",
-        counted(count, &format!("{} block", space.name())),
+        counted(count as usize, &format!("{} block", space.name())),
         title(target),
     );
     let about = format!("{} blocks", space.name());

@@ -1,19 +1,22 @@
 //! `push-constant-limit`: push constants past the bytes every Vulkan device has.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::{Settings, Target};
 use super::show::{bytes, listing, place};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::AddressSpace;
+use landfall_layout::source::Language;
 
 pub(super) const LINT: Lint = Lint {
     code: "push-constant-limit",
     level: Level::Deny,
-    what: "a stage's push constants end past byte 128",
+    what: "a stage's push constants end past byte 128, or WGSL's immediate data past byte 64",
     why: "Vulkan guarantees 128 bytes of push constants (maxPushConstantsSize, Required Limits), \
           for all stages of a pipeline together; many desktop drivers have 256, so it works there \
           and the pipeline layout is invalid elsewhere. Where a stage's range starts does not \
           help: it has to end by byte 128. Vulkan 1.4 guarantees 256; who asks for it can allow \
-          this lint.",
+          this lint. WebGPU guarantees 64 bytes of `var<immediate>` (maxImmediateSize); \
+          WGSL is compared with those unless `vulkan` is a target and `webgpu` is not.",
     example: "#version 450\n\
               layout(push_constant) uniform Push { mat4 model; mat4 view; vec4 tint; } pc;\n\
               layout(location = 0) out vec4 color;\n\
@@ -23,29 +26,57 @@ pub(super) const LINT: Lint = Lint {
     check: Check::Shader(check),
 };
 
-/// Vulkan 1.0 to 1.3, Required Limits: maxPushConstantsSize.
-const LIMIT: u64 = 128;
+/// What an API guarantees.
+struct Guarantee {
+    bytes: u64,
+    api: &'static str,
+    what: &'static str,
+    note: &'static str,
+}
 
-fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
+/// Vulkan 1.0 to 1.3, Required Limits: maxPushConstantsSize.
+const VULKAN: Guarantee = Guarantee {
+    bytes: 128,
+    api: "Vulkan",
+    what: "push constants",
+    note: "Vulkan 1.0 to 1.3: maxPushConstantsSize is at least 128; 256 in 1.4",
+};
+
+/// WebGPU §3.6.2, default limits: maxImmediateSize.
+const WEBGPU: Guarantee = Guarantee {
+    bytes: 64,
+    api: "WebGPU",
+    what: "immediate data",
+    note: "WebGPU: maxImmediateSize is at least 64",
+};
+
+fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
+    let has = |target| settings.targets.contains(&target);
+    let limit = match subject.shader.language {
+        Language::Wgsl if has(Target::WebGpu) || !has(Target::Vulkan) => WEBGPU,
+        Language::Wgsl | Language::Glsl => VULKAN,
+    };
     let blocks = subject.shader.blocks.iter();
     let pushed = blocks.filter(|block| block.space == AddressSpace::PushConstant);
     let over = pushed.filter_map(|block| {
         // The range a pipeline declares need not cover the padding behind the last member.
-        let end = block.data_size.filter(|&end| end > LIMIT)?;
+        let end = block.data_size.filter(|&end| end > limit.bytes)?;
         let message = format!(
-            "push constants `{}` end at byte {end}, but Vulkan guarantees only {}",
+            "{} `{}` end at byte {end}, but {} guarantees only {}",
+            limit.what,
             block.name,
-            bytes(LIMIT)
+            limit.api,
+            bytes(limit.bytes)
         );
         let at = place(subject, block.span);
         let mut finding = Finding::new(LINT.code, block.name.as_ref(), at, message)
-            .with_text(format!("{} too many", bytes(end - LIMIT)))
-            .with_note("Vulkan 1.0 to 1.3: maxPushConstantsSize is at least 128; 256 in 1.4");
+            .with_text(format!("{} too many", bytes(end - limit.bytes)))
+            .with_note(limit.note);
         let past = block.members.iter().find(|member| {
             let end = member
                 .offset
                 .map(|offset| offset + landfall_layout::layout::measure::reach(member));
-            end > Some(LIMIT)
+            end > Some(limit.bytes)
         });
         if let Some(member) = past {
             let end = member.offset.unwrap_or(0) + landfall_layout::layout::measure::reach(member);

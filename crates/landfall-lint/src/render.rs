@@ -21,6 +21,8 @@ use rustc_hash::FxHashSet;
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level};
 pub use landfall_layout::format::paint::Paint;
+use landfall_layout::format::shown;
+use landfall_layout::format::words::counted;
 
 pub use json::{REPORT_VERSION, ReadReport};
 
@@ -31,7 +33,7 @@ pub enum ReportFormat {
     Human,
     /// `path:line:col: level[code] message`, one line a finding.
     Short,
-    /// JSON as [`CHECK_SCHEMA`](super::CHECK_SCHEMA) describes it.
+    /// JSON as `landfall schema check` describes it.
     Json,
     /// Workflow commands that GitHub shows as annotations.
     Github,
@@ -85,8 +87,8 @@ pub struct ReportOptions<'a> {
 pub fn report(findings: &[Finding], format: ReportFormat, options: &ReportOptions<'_>) -> String {
     let findings = &unique(findings)[..];
     match format {
-        ReportFormat::Human => human::report(findings, options),
-        ReportFormat::Short => short::report(findings),
+        ReportFormat::Human => shown(human::report(findings, options), options.paint),
+        ReportFormat::Short => shown(short::report(findings), Paint::Plain),
         ReportFormat::Json => json::report(findings, options.shaders),
         ReportFormat::Github => github::report(findings),
         ReportFormat::Sarif => sarif::report(findings, options.shaders),
@@ -128,12 +130,6 @@ fn severity(level: Level) -> &'static str {
         Level::Warn => "warning",
         Level::Deny => "error",
     }
-}
-
-/// `1 error`, `2 errors`.
-fn counted(count: usize, noun: &str) -> String {
-    let s = if count == 1 { "" } else { "s" };
-    format!("{count} {noun}{s}")
 }
 
 /// `65 shaders: 2 errors, 1 warning`.

@@ -9,9 +9,10 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::{bytes, full_listing};
 use super::walk::first_few;
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::lay_out;
 use landfall_layout::layout::rules::{Cursor, extent};

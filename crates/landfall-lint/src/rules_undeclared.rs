@@ -1,8 +1,9 @@
 //! `rules-undeclared`: blocks whose offsets the driver chooses.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::settings::Target;
 use super::show::{may_be_vulkan, place};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::AddressSpace;

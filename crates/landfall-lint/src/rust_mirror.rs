@@ -16,9 +16,10 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashSet;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::settings::{RustFile, RustMirror};
 use super::show::{bytes, full_listing};
-use super::{Check, Lint, Settings, Subject};
 use compare::{Against, Difference, differences, padding};
 use file::Declarations;
 use landfall_layout::error::Error;

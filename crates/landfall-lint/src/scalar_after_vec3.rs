@@ -1,8 +1,9 @@
 //! `scalar-after-vec3`: something stands in the last quarter of a `vec3`'s slot.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::bytes;
 use super::walk::{Visit, members};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::{Rules, Scalar, Type};
 

@@ -1,6 +1,6 @@
 //! What several lints say or show alike: numbers of bytes, a block's listing, where a span is.
 //!
-//! Reads the [model](landfall_layout::layout) and [`emit`](landfall_layout::format); the lints use it.
+//! Reads the [model](landfall_layout::layout) and [`format`](landfall_layout::format); the lints use it.
 
 use landfall_layout::ShaderLayout;
 use landfall_layout::format as emit;
@@ -9,24 +9,15 @@ use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{Files, Language, Span, Target};
 
-use super::Subject;
+use super::definition::Subject;
 use landfall_layout::finding::Place;
+pub(super) use landfall_layout::format::words::{bytes, counted};
 
 /// A block of more leaves is not listed with a finding about all of it.
 const MOST_LISTED: usize = 64;
 
 /// The same of a finding for which the listing is the evidence.
 const MOST_SHOWN: usize = 500;
-
-/// `1 byte`, `16 bytes`.
-pub(super) fn bytes(n: u64) -> String {
-    if n == 1 { "1 byte".to_string() } else { format!("{n} bytes") }
-}
-
-/// `1 block`, `13 blocks`.
-pub(super) fn counted(n: u64, noun: &str) -> String {
-    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
-}
 
 /// The listing of one block, if it is short enough to be read.
 pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<String> {
@@ -45,6 +36,7 @@ fn listed(shader: &ShaderLayout, block: &BlockLayout) -> String {
         overrides: Vec::new(),
         files: Files::default(),
         diagnostics: Vec::new(),
+        assumed_target: None,
         ..*shader
     };
     let text = emit::shader(&one, &EmitOptions::new(Format::Listing));

@@ -6,8 +6,9 @@ mod judge;
 mod owners;
 mod words;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::{listing, place};
-use super::{Check, Lint, Settings, Subject};
 use claims::{Claim, Kind, claims};
 use columns::Row;
 use judge::{Right, counted_from, may_be_content, other_unit};

@@ -1,6 +1,6 @@
 //! `unused-allow`.
 
-use super::{Check, Lint};
+use super::definition::{Check, Lint};
 use landfall_layout::finding::Level;
 
 pub(super) const LINT: Lint = Lint {

@@ -1,7 +1,8 @@
 //! `unused-block`: a block that no function touches.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::bytes;
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::naga_compare::used::{Used, used};
 use landfall_layout::shape::AddressSpace;

@@ -2,8 +2,9 @@
 
 use rustc_hash::FxHashMap;
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::show::bytes;
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::naga_compare::used::Used;

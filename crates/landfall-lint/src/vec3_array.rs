@@ -1,7 +1,8 @@
 //! `vec3-array`: elements of three components, four apart.
 
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
 use super::walk::{Visit, declared, members};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::Type;
 

@@ -1,9 +1,10 @@
 //! `webgl2-size`: uniform blocks whose bytes are no multiple of 16, where WebGL 2 wants one.
 
+use super::definition::{Check, Lint, Subject};
 use super::glob;
+use super::settings::Settings;
 use super::settings::Target;
 use super::show::{bytes, is_called, listing, place};
-use super::{Check, Lint, Settings, Subject};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, Rules};

@@ -135,6 +135,9 @@ pub struct LayoutArgs {
     /// Write one file a shader into DIR, the tree kept, instead of stdout
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Write over files in DIR that no `layout --out` has written
+    #[arg(long, requires = "out")]
+    pub force: bool,
     /// Files laid out at a time [default: one a core]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,

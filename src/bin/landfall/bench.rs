@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use landfall::report::bench as print;
 use landfall_exec::interp::Floats;
+use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Error, Source};
 use landfall_light::accuracy::bench::clock::Clock;
@@ -21,7 +22,7 @@ use landfall_light::accuracy::plot::scatter;
 
 use crate::args::{BenchArgs, BenchFormat, ReadArgs, ReaderName};
 use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
-use crate::{read, readers};
+use crate::{given, read, readers, write};
 
 pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -32,7 +33,7 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Some(name) => function::bench(args, name, streams, &style),
         None => scene::bench(args, streams, &style),
     };
-    let Done { bench, missing } = match done {
+    let Done { bench, missing, files } = match done {
         Ok(Some(done)) => done,
         Ok(None) => return Ok(Outcome::CouldNot),
         Err(Failure::Error(error)) => {
@@ -41,14 +42,15 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
         Err(Failure::BrokenPipe) => return Err(Failure::BrokenPipe),
     };
+    files.iter().for_each(given::saw);
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {
-        landfall_layout::file::write_whole(path, scatter(&drawing(&bench)))?;
+        inputs(args, files).write(path, scatter(&drawing(&bench)))?;
     }
-    streams.product(&match args.format {
-        BenchFormat::Human => print::text(&bench, streams.paint),
-        BenchFormat::Json => print::json(&bench),
-        BenchFormat::Csv => print::csv(&bench),
-    })?;
+    match args.format {
+        BenchFormat::Human => streams.product(&print::text(&bench, streams.paint))?,
+        BenchFormat::Json => streams.json(&print::json(&bench))?,
+        BenchFormat::Csv => streams.product(&print::csv(&bench))?,
+    }
     if args.format == BenchFormat::Csv {
         for Failed { variant, reader, reason } in &bench.failed {
             streams.notes(&format!("note: {variant} on {reader}: {reason}\n"));
@@ -59,10 +61,20 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(if absent || bench.rows.is_empty() { Outcome::CouldNot } else { Outcome::Clean })
 }
 
+/// A writer that leaves all that was read alone.
+fn inputs(args: &BenchArgs, files: Vec<Files>) -> FileWriter {
+    let named = [args.domain.as_deref(), args.data.as_deref()];
+    let named = named.into_iter().flatten().chain(args.bind.iter().map(String::as_str));
+    let named = named.map(Path::new).chain([args.subject.as_path()]);
+    write::protecting(named, &files)
+}
+
 /// A bench, and the readers it should have been on that could not be had.
 struct Done {
     bench: Bench,
     missing: Vec<ReaderName>,
+    /// What was read.
+    files: Vec<Files>,
 }
 
 /// Something to measure, and what is known of it already.
@@ -108,6 +120,8 @@ struct About {
     truth: String,
     unit: Unit,
     size: Size,
+    /// What was read.
+    files: Vec<Files>,
 }
 
 /// Measures in turns and ranks.
@@ -141,10 +155,10 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
             Err(reason) => failed.push(Failed { variant, reader: runner.reader, reason }),
         }
     }
-    let About { subject, truth, unit, size: Size { fragments, lights } } = about;
+    let About { subject, truth, unit, size: Size { fragments, lights }, files } = about;
     let machine = machine.after();
     let bench = Bench { subject, truth, unit, fragments, lights, machine, rows, failed };
-    Done { bench: bench.ranked(), missing }
+    Done { bench: bench.ranked(), missing, files }
 }
 
 /// Why a driver has no such variant.
@@ -185,6 +199,10 @@ fn distinct(option: &str, given: &[(String, String)], taken: Option<&str>) -> Re
 struct Sources(Vec<(PathBuf, Source)>);
 
 impl Sources {
+    fn all(&self) -> impl Iterator<Item = &Source> {
+        self.0.iter().map(|(_, source)| source)
+    }
+
     fn read(&mut self, file: &Path, args: &ReadArgs) -> Result<Source, Error> {
         if let Some((_, source)) = self.0.iter().find(|(known, _)| known == file) {
             return Ok(source.clone());

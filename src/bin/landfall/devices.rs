@@ -11,10 +11,10 @@ use crate::output::{Failure, Outcome, Streams};
 pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let mut found = vec![cpu()];
     found.extend(drivers());
-    streams.product(&match args.format {
-        DevicesFormat::Table => table(&found, streams.paint),
-        DevicesFormat::Json => json(&found),
-    })?;
+    match args.format {
+        DevicesFormat::Table => streams.product(&table(&found, streams.paint))?,
+        DevicesFormat::Json => streams.json(&json(&found))?,
+    }
     Ok(Outcome::Clean)
 }
 

@@ -7,12 +7,12 @@ mod side;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::diff::{BlockDiff, Class, Side as Blocks, diff, verdict};
-use landfall_layout::file::write_whole;
+use landfall_layout::file::Written;
 use landfall_layout::format::diff::{Compared, Width, human, json, markdown, summary};
 use landfall_layout::{Error, ShaderLayout, lock};
 
 use crate::args::{DiffArgs, DiffFormat};
-use crate::config;
+use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use side::{Entry, Reading, Side, nothing};
 
@@ -48,7 +48,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     print(args, &compared, streams)?;
     if args.accept && !failed {
         for (old, new) in &sides {
-            accept(old, new, streams)?;
+            accept(old, new, &config, streams)?;
         }
         return Ok(Outcome::Clean);
     }
@@ -180,7 +180,7 @@ fn keys(side: &Side) -> Vec<String> {
 
 fn print(args: &DiffArgs, all: &[Compared<'_>], streams: &Streams) -> Result<(), Failure> {
     match args.format {
-        DiffFormat::Json => streams.product(&json(all)),
+        DiffFormat::Json => streams.json(&json(all)),
         DiffFormat::Md => streams.product(&markdown(all)),
         DiffFormat::Human => {
             let terminal = || terminal_size::terminal_size().map(|(width, _)| width.0.into());
@@ -195,7 +195,7 @@ fn print(args: &DiffArgs, all: &[Compared<'_>], streams: &Streams) -> Result<(),
 }
 
 /// Renews the locks of the side that has them: the new one, if both have.
-fn accept(old: &Side, new: &Side, streams: &Streams) -> Result<(), Error> {
+fn accept(old: &Side, new: &Side, config: &Config, streams: &Streams) -> Result<(), Error> {
     let has_locks = |side: &Side| {
         side.locks.is_some() || side.entries.iter().any(|entry| place(entry).is_some())
     };
@@ -214,10 +214,10 @@ fn accept(old: &Side, new: &Side, streams: &Streams) -> Result<(), Error> {
         let Some(target) = target else { continue };
         let before = known.and_then(|entry| entry.lock.as_ref()).map(|(_, lock)| lock);
         let text = lock::renew(&entry.layout, before);
-        if std::fs::read(&target).is_ok_and(|there| there == text.as_bytes()) {
+        let folder = target.parent().unwrap_or(Path::new(""));
+        if config.writer(folder, false).write(&target, &text)? == Written::Unchanged {
             continue;
         }
-        write_whole(&target, &text)?;
         streams.notes(&format!("renewed {}\n", target.display()));
     }
     Ok(())

@@ -2,18 +2,17 @@
 
 use landfall_layout::diagnostic::Code;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use landfall_layout::codegen::c::{COptions, c};
 use landfall_layout::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
-use landfall_layout::file::write_whole;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, ShaderLayout};
 
 use crate::args::{EmitArgs, EmitLang};
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::read;
+use crate::{given, read, write};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -26,6 +25,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         match source {
             Ok(source) => {
                 let shader = landfall_layout::layout(&source, &read::options(&args.read));
+                given::saw(&shader.files);
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
                 shaders.push(shader);
@@ -48,11 +48,12 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let outcome = match (&args.out, args.check) {
         (Some(out), true) => check(out, &text, streams),
         (Some(out), false) => {
-            write_whole(out, &text)?;
+            let named = args.files.iter().map(PathBuf::as_path);
+            write::protecting(named, shaders.iter().map(|s| &s.files)).write(out, &text)?;
             Outcome::Clean
         }
         (None, _) => {
-            streams.product(&text)?;
+            streams.source(&text)?;
             Outcome::Clean
         }
     };

@@ -4,15 +4,15 @@ use landfall_layout::diagnostic::Code;
 use std::ops::Range;
 use std::path::Path;
 
-use landfall_layout::buffer::{EncodeError, encode, read_json};
-use landfall_layout::file::write_whole;
+use landfall_layout::buffer::{EncodeError, Finding, decode, encode, read_json};
+use landfall_layout::file::FileWriter;
 use landfall_layout::format::{Paint, hex};
 use landfall_layout::source::Files;
-use landfall_layout::{BlockLayout, Diagnostic, Error, Label, Span};
+use landfall_layout::{BlockLayout, Diagnostic, Error, Label, Severity, Span};
 
 use crate::args::EncodeArgs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{read, shader};
+use crate::{read, shader, write};
 
 pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let out = args.out.as_deref().filter(|path| !read::is_stdin(path));
@@ -32,7 +32,10 @@ pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         .and_then(|block| Ok((block, bytes(block, args)?)));
     match made {
         Ok((block, bytes)) => {
-            write(block, &bytes, args, out, streams)?;
+            streams.report(&style.text(&odd_bools(block, &bytes, args), &Files::default()));
+            let inputs = [args.file.as_path(), &args.values];
+            let writer = write::protecting(inputs, [&shader.files]);
+            write(block, &bytes, args, out.map(|path| (path, writer)), streams)?;
             Ok(Outcome::Clean)
         }
         Err((found, files)) => {
@@ -46,22 +49,34 @@ fn write(
     block: &BlockLayout,
     bytes: &[u8],
     args: &EncodeArgs,
-    out: Option<&Path>,
+    out: Option<(&Path, FileWriter)>,
     streams: &Streams,
 ) -> Result<(), Failure> {
     match (out, args.hex) {
-        (Some(path), false) => Ok(write_whole(path, bytes)?),
-        (Some(path), true) => {
+        (Some((path, writer)), false) => Ok(writer.write(path, bytes).map(|_| ())?),
+        (Some((path, writer)), true) => {
             let mut text = Vec::new();
             hex::dump(block, bytes, Paint::Plain, &mut text).map_err(|cause| {
                 let reason = landfall_layout::file::reason(&cause);
                 Error::new(path.display().to_string(), format!("cannot be written: {reason}"))
             })?;
-            Ok(write_whole(path, text)?)
+            Ok(writer.write(path, text).map(|_| ())?)
         }
         (None, false) => streams.bytes(bytes),
         (None, true) => streams.product_of(|out| hex::dump(block, bytes, streams.paint, out)),
     }
+}
+
+/// Bools that are neither 0 nor 1: drivers disagree on what those are.
+fn odd_bools(block: &BlockLayout, bytes: &[u8], args: &EncodeArgs) -> Vec<Diagnostic> {
+    let found = decode(block, bytes).map(|decoded| decoded.findings.list).unwrap_or_default();
+    let odd = found.iter().filter(|found| matches!(found, Finding::OddBool { .. }));
+    let path = read::shown(&args.values);
+    let warning = |found: &Finding| Diagnostic {
+        severity: Severity::Warning,
+        ..shader::finding(&path, found.code(), found.to_string(), None)
+    };
+    odd.map(warning).collect()
 }
 
 /// The bytes that the values make, or what is wrong with those.

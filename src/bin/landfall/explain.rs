@@ -23,10 +23,12 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     match answers(&shader, args) {
         Ok(answers) => {
-            streams.product(&match args.format {
-                ExplainFormat::Human => human(&shader, &answers, streams),
-                ExplainFormat::Json => json(&shader.path, shader.language, &answers),
-            })?;
+            match args.format {
+                ExplainFormat::Human => streams.product(&human(&shader, &answers, streams))?,
+                ExplainFormat::Json => {
+                    streams.json(&json(&shader.path, shader.language, &answers))?;
+                }
+            }
             Ok(if shader.has_errors() { Outcome::CouldNot } else { Outcome::Clean })
         }
         Err(found) => {

@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 
 use globset::{GlobBuilder, GlobMatcher};
 use ignore::{Walk, WalkBuilder};
-use landfall_layout::{Error, source};
+use landfall_layout::{Error, other_language, source};
 
 use crate::read::is_stdin;
 
@@ -35,6 +35,8 @@ struct Search {
     walk: Walk,
     glob: Option<GlobMatcher>,
     found: bool,
+    /// The language of a file that is not read, where one was met.
+    other: Option<&'static str>,
 }
 
 impl Inputs {
@@ -100,7 +102,7 @@ impl Iterator for Inputs {
 impl Search {
     fn directory(root: PathBuf) -> Search {
         let walk = WalkBuilder::new(&root).sort_by_file_name(|a, b| a.cmp(b)).build();
-        Search { argument: root.clone(), root, walk, glob: None, found: false }
+        Search { argument: root.clone(), root, walk, glob: None, found: false, other: None }
     }
 
     /// A glob as a shell would expand it: ignore files do not matter.
@@ -110,6 +112,9 @@ impl Search {
             Error::new(text.to_string(), format!("is no glob: {}", cause.kind()))
         };
         let pattern = text.strip_prefix("./").unwrap_or(&text);
+        if let Some(cause) = too_deep(pattern) {
+            return Err(Error::new(text.to_string(), format!("is no glob: {cause}")));
+        }
         let glob = GlobBuilder::new(pattern).literal_separator(true).build().map_err(refused)?;
         let matcher = glob.compile_matcher();
         let fixed = argument
@@ -130,6 +135,7 @@ impl Search {
             walk,
             glob: Some(matcher),
             found: false,
+            other: None,
         })
     }
 
@@ -150,6 +156,7 @@ impl Search {
             let path = entry.into_path();
             let path = path.strip_prefix("./").map(Path::to_path_buf).unwrap_or(path);
             if !self.takes(&path) {
+                self.other = self.other.or_else(|| other_language::of_path(&path));
                 continue;
             }
             self.found = true;
@@ -178,12 +185,42 @@ impl Search {
         let path = self.argument.display().to_string();
         Some(match self.glob {
             Some(_) => Error::new(path, "matches no shader file"),
+            None if self.other.is_some() => {
+                let language = self.other.unwrap_or_default();
+                let message = format!("holds no shader file that is read, only {language}");
+                Error::new(path, message).with_help("landfall reads GLSL and WGSL")
+            }
             None => Error::new(path, "holds no shader file").with_help(
                 "shaders are known by their extension, such as .frag, .glsl or .wgsl; \
                  a file named by itself is read whatever its extension",
             ),
         })
     }
+}
+
+/// Braces of a glob may nest this deep.
+const DEEPEST_BRACES: usize = 16;
+
+/// Bytes of a glob.
+const LONGEST_GLOB: usize = 4096;
+
+/// Why a glob is not compiled, if it is one made to exhaust the compiler.
+pub fn too_deep(glob: &str) -> Option<String> {
+    if glob.len() > LONGEST_GLOB {
+        return Some(format!("it has more than {LONGEST_GLOB} bytes"));
+    }
+    let mut depth = 0usize;
+    for byte in glob.bytes() {
+        match byte {
+            b'{' => depth += 1,
+            b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > DEEPEST_BRACES {
+            return Some(format!("its braces nest more than {DEEPEST_BRACES} deep"));
+        }
+    }
+    None
 }
 
 fn ends_with_star(glob: &Path) -> bool {

@@ -14,7 +14,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Error, Options, ShaderLayout};
 use crate::args::LayoutArgs;
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{read, work};
+use crate::{given, read, work};
 use writer::Writer;
 
 /// Errors after which the rest of a shader cannot be told apart: none of its blocks is printed.
@@ -76,6 +76,8 @@ struct Done {
     failed: bool,
     /// Blocks that `--block` left out.
     others: Vec<String>,
+    /// The shader and its includes, where a file is written.
+    files: Files,
 }
 
 impl work::Weighed for Done {
@@ -116,10 +118,12 @@ impl Job<'_> {
             findings: self.style.text(&[found], &Files::default()),
             failed: true,
             others: vec![],
+            files: Files::default(),
         }
     }
 
     fn laid_out(&self, input: Input, mut shader: ShaderLayout) -> Done {
+        given::saw(&shader.files);
         let mut others = Vec::new();
         if let Some(name) = &self.args.block {
             let (kept, left) = shader.blocks.into_iter().partition(|b| is_named(b, name));
@@ -140,6 +144,7 @@ impl Job<'_> {
             relative: input.relative,
             failed,
             others,
+            files: if self.args.out.is_some() { shader.files } else { Files::default() },
         }
     }
 

@@ -11,7 +11,7 @@ use crate::args::{LightsArgs, LightsFormat};
 use crate::inputs::Inputs;
 use crate::layout::panicked;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::read;
+use crate::{given, read};
 
 pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -20,7 +20,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     });
     let mut tally = Tally::default();
     if args.format == LightsFormat::Json {
-        streams.product(&print::opening())?;
+        streams.json(&print::opening())?;
     }
     for input in Inputs::new(args.files.clone()) {
         let read = input.and_then(|input| {
@@ -37,6 +37,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let options = read::options(&args.read);
         let work = || {
             let shader = layout(&source, &options);
+            given::saw(&shader.files);
             // What cannot be laid out cannot be followed.
             let report = (!shader.has_errors()).then(|| cost(&source, &options, &shader));
             (shader, report)
@@ -55,7 +56,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         tally.take(&shader, &report, args, streams)?;
     }
     match args.format {
-        LightsFormat::Json => streams.product(print::closing(tally.printed))?,
+        LightsFormat::Json => streams.json(print::closing(tally.printed))?,
         LightsFormat::Human => tally.end(streams)?,
     }
     Ok(tally.outcome())
@@ -97,7 +98,7 @@ impl Tally {
                 if self.printed > 0 {
                     streams.product(",\n")?;
                 }
-                streams.product(&print::json(shader, report))?;
+                streams.json(&print::json(shader, report))?;
             }
             LightsFormat::Human => {
                 let text = print::human(shader, report, streams.paint);

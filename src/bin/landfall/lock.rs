@@ -2,11 +2,11 @@
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashSet;
-use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use landfall_layout::file::{reason, write_whole};
+use landfall_layout::file::{FileWriter, Written};
 use landfall_layout::source::{Files, kind_of_path};
 use landfall_layout::{Diagnostic, Error, Options, Severity, lock};
 
@@ -15,7 +15,7 @@ use crate::config::{self, Config, slashes};
 use crate::inputs::{Input, Inputs};
 use crate::layout::panicked;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{read, work};
+use crate::{given, read, work};
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
@@ -33,14 +33,26 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         locks: config.locks(args.locks.as_deref()),
         options: config.options(&args.read.text, &args.read.defines),
         style: streams.style(FindingForm::Human),
+        writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
+        excluded: AtomicUsize::new(0),
     };
     let mut tally = Tally::default();
     work::ordered(
         Inputs::new(paths).filter(|input| job.takes(input)),
         args.jobs,
         |input| job.one(input),
-        |done| tally.take(done, args, job.style, streams),
+        |done| tally.take(done, &job, streams),
     )?;
+    let excluded = job.excluded.load(Ordering::Relaxed);
+    if tally.is_empty() && excluded > 0 {
+        let found = config::all_excluded(excluded, &[]);
+        let (found, outcome) = match args.paths.is_empty() {
+            true => (found, Outcome::CouldNot),
+            false => (Diagnostic { severity: Severity::Warning, ..found }, Outcome::Clean),
+        };
+        streams.report(&job.style.text(&[found], &Files::default()));
+        return Ok(outcome);
+    }
     tally.orphans(&job, &searched, streams);
     tally.finish(args, streams)
 }
@@ -51,6 +63,9 @@ struct Job<'a> {
     locks: PathBuf,
     options: Options,
     style: FindingStyle,
+    writer: FileWriter,
+    /// Shaders that the configuration leaves out.
+    excluded: AtomicUsize,
 }
 
 /// What became of one shader.
@@ -72,7 +87,10 @@ impl Job<'_> {
     /// Whether the configuration does not leave an input out.
     fn takes(&self, input: &Result<Input, Error>) -> bool {
         let Ok(input) = input else { return true };
-        !self.config.root.below(&input.path).is_some_and(|below| self.config.exclude.takes(&below))
+        let below = self.config.root.below(&input.path);
+        let is_out = below.is_some_and(|below| self.config.exclude.takes(&below));
+        self.excluded.fetch_add(usize::from(is_out), Ordering::Relaxed);
+        !is_out
     }
 
     fn one(&self, input: Result<Input, Error>) -> Done {
@@ -100,11 +118,12 @@ impl Job<'_> {
             let found = panicked(&input.path);
             return failed(Some(target), found);
         };
+        given::saw(&shader.files);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         let text = if shader.has_errors() {
             None
         } else {
-            match old(&target) {
+            match old(&target, self.args.force) {
                 Ok(old) => Some(lock::renew(&shader, old.as_ref())),
                 Err(error) => {
                     findings.push_str(&self.style.text(&[error.into()], &Files::default()));
@@ -117,14 +136,20 @@ impl Job<'_> {
 }
 
 /// The lock that is there. One that cannot be read is written anew, but not one that a newer
-/// landfall wrote.
-fn old(target: &Path) -> Result<Option<lock::Lock>, Error> {
-    let Ok(text) = fs::read_to_string(target) else { return Ok(None) };
+/// landfall wrote, nor what is no lock.
+fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
+    let Some(bytes) = read::file(target) else { return Ok(None) };
     let shown = target.display().to_string();
+    let text = String::from_utf8_lossy(&bytes);
     match lock::read(&shown, &text) {
         Ok(lock) => Ok(Some(lock)),
         Err(error) if lock::is_newer(&text) => Err(error),
-        Err(_) => Ok(None),
+        Err(_) if force || bytes.is_empty() || lock::is_lock(&text) => Ok(None),
+        Err(_) => Err(Error::new(shown, "has the name of a lock, and is no lock of landfall's")
+            .with_help(
+                "move it away, keep locks elsewhere with `--locks DIR`, or write over it \
+                        with `--force`",
+            )),
     }
 }
 
@@ -140,13 +165,13 @@ struct Tally {
 }
 
 impl Tally {
-    fn take(
-        &mut self,
-        done: Done,
-        args: &LockArgs,
-        style: FindingStyle,
-        streams: &Streams,
-    ) -> Result<(), Failure> {
+    /// Whether no shader was looked at.
+    fn is_empty(&self) -> bool {
+        self.targets.is_empty() && !self.failed
+    }
+
+    fn take(&mut self, done: Done, job: &Job<'_>, streams: &Streams) -> Result<(), Failure> {
+        let style = job.style;
         streams.report(&done.findings);
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
         if let Some(target) = &done.target {
@@ -156,21 +181,23 @@ impl Tally {
             self.failed = true;
             return Ok(());
         };
-        let there = fs::read(&target);
-        if there.as_ref().is_ok_and(|old| old == text.as_bytes()) {
-            self.unchanged += 1;
-        } else if args.check {
-            self.changed += 1;
-            let stale = match there {
-                Ok(_) => "is not what its shader says now",
-                Err(_) => "is not there",
+        if job.args.check {
+            let stale = match read::file(&target) {
+                Some(there) if there == text.as_bytes() => {
+                    self.unchanged += 1;
+                    return Ok(());
+                }
+                Some(_) => "is not what its shader says now",
+                None => "is not there",
             };
+            self.changed += 1;
             let error = Error::new(target.display().to_string(), stale)
                 .with_help("run the same command without `--check`, and commit what it writes");
             say(Diagnostic { code: Code::StaleLock, ..error.into() });
         } else {
-            match write_whole(&target, &text) {
-                Ok(()) => self.changed += 1,
+            match job.writer.write(&target, &text) {
+                Ok(Written::Changed) => self.changed += 1,
+                Ok(Written::Unchanged) => self.unchanged += 1,
                 Err(error) => {
                     self.failed = true;
                     say(Diagnostic { code: Code::Output, ..error.into() });
@@ -194,7 +221,7 @@ impl Tally {
                 let rest = below.strip_prefix(folder.as_str());
                 folder.is_empty() || rest.is_some_and(|rest| rest.starts_with('/'))
             });
-            if !is_searched || self.targets.contains(&path) {
+            if !is_searched || self.targets.contains(&path) || !holds_lock(&path) {
                 continue;
             }
             let shown = path.display().to_string();
@@ -206,12 +233,11 @@ impl Tally {
                 say(Diagnostic { code: Code::LockOrphan, severity, ..error.into() });
                 continue;
             }
-            match fs::remove_file(&path) {
+            match job.writer.remove(&path) {
                 Ok(()) => self.pruned += 1,
-                Err(cause) => {
+                Err(error) => {
                     self.failed = true;
-                    let message = format!("cannot be removed: {}", reason(&cause));
-                    say(Diagnostic { code: Code::Output, ..Error::new(shown, message).into() });
+                    say(Diagnostic { code: Code::Output, ..error.into() });
                 }
             }
         }
@@ -239,6 +265,11 @@ impl Tally {
 
 fn locks(n: usize) -> String {
     if n == 1 { "1 lock".to_string() } else { format!("{n} locks") }
+}
+
+/// Whether a file that is named like a lock holds one, or was one before somebody cut it off.
+pub fn holds_lock(path: &Path) -> bool {
+    read::file(path).is_some_and(|bytes| lock::is_lock(&String::from_utf8_lossy(&bytes)))
 }
 
 /// Files of a directory that are named like locks, in order.

@@ -18,6 +18,7 @@ mod diff;
 mod emit;
 mod encode;
 mod explain;
+mod given;
 mod inputs;
 #[cfg(feature = "exec")]
 mod interrupt;
@@ -41,11 +42,13 @@ mod rule;
 mod run;
 mod schema;
 mod shader;
+mod stdout;
 #[cfg(feature = "exec")]
 mod stress;
 #[cfg(feature = "exec")]
 mod verify;
 mod work;
+mod write;
 
 use std::process::ExitCode;
 
@@ -56,6 +59,7 @@ use output::{Failure, Streams};
 fn main() -> ExitCode {
     let args = Args::parse();
     let streams = Streams::new(args.color, args.quiet);
+    given::begin(&args.command, &streams);
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),
         Command::Explain(args) => explain::run(args, &streams),
@@ -93,7 +97,10 @@ fn main() -> ExitCode {
         Command::Reader(args) => reader::run(args),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
-        Ok(outcome) => outcome.into(),
+        Ok(outcome) => {
+            given::finish(&streams);
+            outcome.into()
+        }
         // Whoever read the output has seen enough.
         Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
         Err(Failure::Error(error)) => {

@@ -3,7 +3,10 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use landfall_layout::file::FileWriter;
+
 use crate::args::MergeArgs;
+use crate::check::one::Checked;
 use crate::check::{NO_LOCKS, reports, shard, tree};
 use crate::config::Root;
 use crate::output::{Failure, Outcome, Streams};
@@ -27,7 +30,9 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         texts: &texts,
         shard: None,
     };
-    let outcome = reports::write(&result, &args.formats, args.statistics, streams)?;
+    let mut writer = FileWriter::new(&args.reports);
+    writer.protect(whole.pass.checked.iter().flat_map(Checked::files));
+    let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
     if whole.basis.locks.is_none() {
         streams.notes(NO_LOCKS);
     }

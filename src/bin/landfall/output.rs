@@ -10,9 +10,12 @@ use landfall_layout::error::ErrorKind;
 use landfall_layout::format as emit;
 use landfall_layout::format::Paint;
 use landfall_layout::source::Files;
+use landfall_layout::text::escape;
+use landfall_layout::text::escape::Styles;
 use landfall_layout::{Diagnostic, Error, Severity};
 
 use crate::args::Color;
+use crate::stdout;
 
 /// What a command came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,16 +137,45 @@ impl Streams {
         }
     }
 
-    /// Writes a product to stdout.
+    /// Writes a product for people to stdout: nothing in it acts on a terminal or a log.
     pub fn product(&self, text: &str) -> Result<(), Failure> {
+        self.exactly(&escape::output(text, self.paint.styles()))
+    }
+
+    /// Writes a product in JSON to stdout.
+    pub fn json(&self, text: &str) -> Result<(), Failure> {
+        self.exactly(&escape::json(text))
+    }
+
+    /// Writes code or a patch to stdout: as it is for the program that reads it, but safe to look
+    /// at on a terminal and in the log of a step on GitHub.
+    pub fn source(&self, text: &str) -> Result<(), Failure> {
+        let is_log = || {
+            let is_file = std::fs::metadata("/dev/stdout").is_ok_and(|found| found.is_file());
+            std::env::var_os("GITHUB_ACTIONS").is_some() && !is_file
+        };
+        match io::stdout().is_terminal() || is_log() {
+            true => self.product(text),
+            false => self.exactly(text),
+        }
+    }
+
+    /// Writes a product to stdout that a program reads, byte for byte: code, or the commands of a
+    /// log.
+    pub fn exactly(&self, text: &str) -> Result<(), Failure> {
+        if text.is_empty() {
+            return Ok(());
+        }
+        open()?;
         self.stdout.borrow_mut().write_all(text.as_bytes()).map_err(|cause| stdout_failure(&cause))
     }
 
-    /// Writes a product to stdout piece by piece.
+    /// Writes a product to stdout piece by piece; names in it are those of a layout.
     pub fn product_of(
         &self,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
+        open()?;
         write(&mut *self.stdout.borrow_mut()).map_err(|cause| stdout_failure(&cause))
     }
 
@@ -158,6 +190,7 @@ impl Streams {
 
     /// Writes a product that is no text to stdout, past whatever handles colours.
     pub fn bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
+        open()?;
         self.finish()?;
         let mut stdout = io::stdout().lock();
         let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
@@ -186,7 +219,7 @@ impl Streams {
     /// Writes what else there is to know to stderr, unless quiet.
     pub fn notes(&self, text: &str) {
         if !self.quiet {
-            self.report(text);
+            self.report(&escape::output(text, Styles::Shown));
         }
     }
 
@@ -214,7 +247,7 @@ impl Streams {
     /// Writes a line of progress over the last one.
     pub fn progress(&self, text: &str) {
         *self.progress.borrow_mut() = true;
-        let _ = write!(io::stderr(), "\r{text}\x1b[K");
+        let _ = write!(io::stderr(), "\r{}\x1b[K", escape::name(text));
     }
 
     fn wipe_progress(&self) {
@@ -222,6 +255,15 @@ impl Streams {
             let _ = write!(io::stderr(), "\r\x1b[K");
         }
     }
+}
+
+/// Whether there is a stdout for a product to go to.
+fn open() -> Result<(), Failure> {
+    if !stdout::was_closed() {
+        return Ok(());
+    }
+    let error = Error::new("<stdout>", "is closed, so that the output would be lost");
+    Err(error.with_help("send it to a file, or to /dev/null where nobody wants it").into())
 }
 
 fn stdout_failure(cause: &io::Error) -> Failure {

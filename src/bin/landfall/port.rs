@@ -2,14 +2,13 @@
 
 use std::fmt::Write as _;
 
-use landfall_layout::file::write_whole;
 use landfall_layout::port::{Dialect, PortOptions, Ported, port};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Source};
 
 use crate::args::{PortArgs, PortTo};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::read;
+use crate::{given, read, write};
 
 pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -37,6 +36,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         partner,
         locations: args.locations.clone(),
     };
+    given::saw(&landfall_layout::layout(&source, &read::options(&args.read)).files);
     let ported = match port(&source, &options) {
         Ok(ported) => ported,
         Err(found) => {
@@ -45,8 +45,12 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     match &args.out {
-        Some(out) => write_whole(out, ported.source.text.as_bytes())?,
-        None => streams.product(&ported.source.text)?,
+        Some(out) => {
+            let files = landfall_layout::layout(&source, &read::options(&args.read)).files;
+            let named = std::iter::once(args.file.as_path()).chain(args.partner.as_deref());
+            write::protecting(named, [&files]).write(out, ported.source.text.as_bytes())?;
+        }
+        None => streams.source(&ported.source.text)?,
     }
     streams.notes(&notes(&ported));
     Ok(Outcome::Clean)

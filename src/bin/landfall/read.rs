@@ -1,9 +1,10 @@
 //! From the command line's words to a shader's source and the options it is laid out with, and
 //! to the other files a command reads.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use landfall_layout::file::{MOST_BYTES, read_stream, read_whole};
+use landfall_layout::other_language;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, source};
 
 use crate::args::{Api, ReadArgs};
@@ -16,6 +17,7 @@ pub fn options(args: &ReadArgs) -> Options {
             include_dirs: args.text.include_dirs.clone(),
             overrides: args.text.overrides.clone(),
             target: Api::reading(&args.text.targets),
+            max_bytes: args.text.max_bytes,
         },
         rules: args.text.rules.as_deref().and_then(Rules::from_name),
         gather: args.text.gather,
@@ -42,13 +44,15 @@ pub fn named(path: &Path, args: &ReadArgs) -> PathBuf {
 pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     let mut source = if is_stdin(path) {
         let name = stdin_path(args).display().to_string();
-        let mut bytes = Vec::new();
-        let failed = |cause| Error::new("<stdin>", format!("cannot be read: {cause}")).unreadable();
-        std::io::stdin().lock().read_to_end(&mut bytes).map_err(failed)?;
-        let text = source::decode(&name, bytes)?;
-        Source::new(name, text)
+        let most = args.text.max_bytes.unwrap_or(MOST_BYTES);
+        let bytes = read_stream("<stdin>", std::io::stdin().lock(), most)?;
+        Source::from_bytes(name, bytes)?
     } else {
-        Source::read(path)?
+        if args.text.language.is_none() {
+            other_language::refuse(path)?;
+        }
+        let bytes = source::read_bytes(path, args.text.max_bytes)?;
+        Source::from_bytes(path.display().to_string(), bytes)?
     };
     if let Some(language) = args.text.language {
         source.language = language.language();
@@ -65,21 +69,21 @@ pub fn shown(path: &Path) -> String {
     if is_stdin(path) { "<stdin>".to_string() } else { path.display().to_string() }
 }
 
+/// Bytes of the largest file of values, locks or tables that is read: 1 GiB.
+const MOST_OTHER: u64 = 1 << 30;
+
 /// Reads a file that is no shader.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    let failed = |cause: std::io::Error| {
-        let reason = landfall_layout::file::reason(&cause);
-        Error::new(shown(path), format!("cannot be read: {reason}")).unreadable()
-    };
     if is_stdin(path) {
-        let mut bytes = Vec::new();
-        std::io::stdin().lock().read_to_end(&mut bytes).map_err(failed)?;
-        return Ok(bytes);
+        return read_stream("<stdin>", std::io::stdin().lock(), MOST_OTHER);
     }
-    if path.is_dir() {
-        return Err(Error::new(shown(path), "is a directory, not a file").unreadable());
-    }
-    std::fs::read(path).map_err(failed)
+    read_whole(path, MOST_OTHER)
+}
+
+/// The bytes of a regular file, if it is one: a pipe in the place of a lock is not waited for.
+pub fn file(path: &Path) -> Option<Vec<u8>> {
+    let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
+    if is_file { std::fs::read(path).ok() } else { None }
 }
 
 /// Reads a text that is no shader, its byte-order mark left out.

@@ -12,6 +12,7 @@ use landfall::report::render as print;
 use landfall::report::render::RenderReport;
 use landfall_exec::backend::{Device, Reader};
 use landfall_exec::interp::{Cpu, Settings};
+use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
 use landfall_light::bind::{Excess, Lit};
@@ -26,7 +27,7 @@ use landfall_light::{Frame, Scene, Upload};
 
 use crate::args::{ReaderName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::readers;
+use crate::{given, readers, write};
 use asked::{Asked, Wanted};
 use plan::Planned;
 
@@ -43,6 +44,7 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.product(&plan::help())?;
         return Ok(Outcome::Clean);
     }
+    asked.files_read().iter().for_each(given::saw);
     if args.print_bind {
         return print_bind(args, &asked, streams, &style);
     }
@@ -79,7 +81,7 @@ fn print_bind(
         RenderFormat::Json => {
             let map = landfall::report::bind::json(&renderer.map);
             let text = serde_json::to_string_pretty(&map).unwrap_or_default();
-            streams.product(&format!("{text}\n"))?;
+            streams.json(&format!("{text}\n"))?;
         }
     }
     Ok(Outcome::Clean)
@@ -138,6 +140,7 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         // Said before anything is computed.
         let shown = out.display().to_string();
         file::Format::of(&shown).map_err(|error| Error::new(&shown, error.to_string()))?;
+        write::protecting([], &asked.files_read()).allows(out)?;
     }
     let renderer = match args.reference && !compare::needs_shader(&args.compare) {
         true => None,
@@ -186,18 +189,21 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
     };
     report.non_finite = picture.non_finite();
     let transfer = transfer(args);
+    let named = args.bind.iter().chain(&args.compare).map(Path::new).chain([args.scene.as_path()]);
+    let files = asked.files_read();
+    let writer = write::protecting(named, &files);
     for what in &args.compare {
         let done = compare::compare(&made, what, &picture, args, streams)?;
         for (path, difference) in done.pictures {
             // Drawn to be looked at, whatever the transfer of the picture is.
-            write(Path::new(&path), &difference, Transfer::Srgb)?;
+            save(&writer, Path::new(&path), &difference, Transfer::Srgb)?;
             report.written.push(path);
         }
         report.model = done.model.or(report.model);
         report.compared.push(done.compared);
     }
     if let Some(out) = &args.out {
-        write(out, &picture, transfer)?;
+        save(&writer, out, &picture, transfer)?;
         report.written.insert(0, out.display().to_string());
     }
     Ok(report)
@@ -210,11 +216,16 @@ fn transfer(args: &RenderArgs) -> Transfer {
     }
 }
 
-fn write(path: &Path, picture: &Picture, transfer: Transfer) -> Result<(), Error> {
+fn save(
+    writer: &FileWriter,
+    path: &Path,
+    picture: &Picture,
+    transfer: Transfer,
+) -> Result<(), Error> {
     let shown = path.display().to_string();
     let bytes = file::Format::of(&shown).and_then(|format| file::write(picture, format, transfer));
     let bytes = bytes.map_err(|error| Error::new(&shown, error.to_string()))?;
-    landfall_layout::file::write_whole(path, bytes)
+    writer.write(path, bytes).map(|_| ())
 }
 
 impl Made<'_> {
@@ -370,7 +381,7 @@ fn told(args: &RenderArgs, report: &RenderReport, streams: &Streams) -> Result<O
             let style = streams.style(FindingForm::Human);
             streams.report(&style.text(&notes, &Files::default()));
         }
-        RenderFormat::Json => streams.product(&print::json(report))?,
+        RenderFormat::Json => streams.json(&print::json(report))?,
     }
     let far = |most: u8| report.compared.iter().any(|with| with.comparison.codes.max > most);
     let found = report.non_finite > 0 || args.max_step.is_some_and(far);

@@ -93,7 +93,8 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
         RuleFormat::Human if in_full => join(&rules, |rule| explanation(rule, streams.paint)),
         RuleFormat::Human => table(&rules, streams.paint),
     };
-    streams.product(&text)?;
+    // Texts of ours alone.
+    streams.exactly(&text)?;
     Ok(Outcome::Clean)
 }
 

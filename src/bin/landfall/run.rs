@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::args::{ReaderName, RunArgs, RunFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
-use crate::{data, read, readers};
+use crate::{data, given, read, readers, write};
 
 pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // In JSON, what was found is part of the product.
@@ -40,6 +40,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
+    given::saw(&write::files_of(&source, &options));
     let called = match &mut reader {
         Some(reader) => call(&source, &options, &request, Some(reader.as_mut())),
         None => call(&source, &options, &request, None),
@@ -52,7 +53,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
                     streams.finish()?;
                     streams.report(&style.text(&report.findings(), &report.files));
                 }
-                RunFormat::Json => streams.product(&print::json(&report))?,
+                RunFormat::Json => streams.json(&print::json(&report))?,
             }
             Ok(Outcome::Clean)
         }

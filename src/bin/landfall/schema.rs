@@ -6,7 +6,7 @@ use crate::args::{Schema, SchemaArgs};
 use crate::output::{Failure, Outcome, Streams};
 
 pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    streams.product(match args.of {
+    streams.exactly(match args.of {
         Schema::Layout => emit::LAYOUT_SCHEMA,
         Schema::Explain => emit::EXPLAIN_SCHEMA,
         Schema::Check => landfall_lint::render::CHECK_SCHEMA,

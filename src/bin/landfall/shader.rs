@@ -9,7 +9,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Severity, ShaderLayout};
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
 use crate::output::{FindingStyle, Streams};
-use crate::read;
+use crate::{given, read};
 
 /// Blocks named in a message.
 const NAMES: usize = 8;
@@ -30,6 +30,7 @@ pub fn laid_out(
         }
     };
     let shader = landfall_layout::layout(&source, &read::options(args));
+    given::saw(&shader.files);
     streams.report(&style.text(&shader.diagnostics, &shader.files));
     let lost = shader.diagnostics.iter().any(is_syntax);
     (!lost).then_some(shader)

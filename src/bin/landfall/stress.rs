@@ -10,14 +10,15 @@ use landfall::report::stress as print;
 use landfall_exec::backend::Reader;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_exec::interp::Floats;
+use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error};
+use landfall_layout::{Diagnostic, Error, Options, Source};
 use landfall_light::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
 
 use crate::args::{ReaderName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
 use crate::run::textures;
-use crate::{data, interrupt, read, readers};
+use crate::{data, given, interrupt, read, readers, write};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
@@ -51,6 +52,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
+    given::saw(&write::files_of(&source, &options));
     let (mut readers, missing) = open(args);
     let stressed = stress(&source, &options, &request, &mut readers, &progress);
     if shows {
@@ -74,7 +76,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Ok(svg) => {
                 let html = file.extension().is_some_and(|e| e == "html" || e == "htm");
                 let text = if html { print::page(&report, &svg) } else { svg };
-                landfall_layout::file::write_whole(file, text.as_bytes())?;
+                inputs(args, &source, &options, &request).write(file, text.as_bytes())?;
             }
             Err(refusal) => {
                 streams.report(&style.text(&refusal.found, &refusal.files));
@@ -84,8 +86,8 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     match args.format {
         StressFormat::Human => streams.product(&print::text(&report, streams.paint))?,
-        StressFormat::Json => streams.product(&print::json(&report))?,
-        StressFormat::Sarif => streams.product(&print::sarif(&report))?,
+        StressFormat::Json => streams.json(&print::json(&report))?,
+        StressFormat::Sarif => streams.json(&print::sarif(&report))?,
     }
     for reader in &report.readers {
         let Some(why) = &reader.failure else { continue };
@@ -113,6 +115,16 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         true => Outcome::Findings,
         false => Outcome::Clean,
     })
+}
+
+/// A writer that leaves all that is read alone.
+fn inputs(args: &StressArgs, source: &Source, options: &Options, request: &Request) -> FileWriter {
+    let against = args.against.as_deref().map(|text| text.split('#').next().unwrap_or(text));
+    let named = [args.domain.as_deref(), args.data.as_deref(), against];
+    let named = named.into_iter().flatten().map(Path::new).chain([args.file.as_path()]);
+    let sources = request.against.iter().map(|(source, _)| source).chain([source]);
+    let files: Vec<_> = sources.map(|source| write::files_of(source, options)).collect();
+    write::protecting(named, &files)
 }
 
 /// The drivers that are asked for, and those of them that are not here.

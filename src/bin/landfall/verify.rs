@@ -1,6 +1,7 @@
 //! `landfall verify`: every block read back by every reader, and which byte each read saw.
 
 use landfall_exec::backend::BackendKind;
+use landfall_layout::diagnostic::Code;
 use std::path::Path;
 
 use landfall::report::verify as print;
@@ -13,18 +14,17 @@ use landfall_exec::harness::verify::report::{Attendance, Outcome as Seen, Shader
 use landfall_exec::harness::verify::{
     ReadBy, Subject, VerifyOptions, hold_spirv, run_compiled, verify,
 };
-use landfall_layout::file::write_whole;
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
 use landfall_layout::source::Files;
-use landfall_layout::{BlockLayout, Diagnostic, Error};
+use landfall_layout::{BlockLayout, Diagnostic, Error, Severity};
 
 use crate::args::{VerifyArgs, VerifyFormat};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::readers::{self, Readers};
-use crate::{data, read};
+use crate::{data, given, read};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
@@ -59,7 +59,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         VerifyFormat::Human => {
             streams.product(&print::readers(&readers.attendance, streams.paint))?;
         }
-        VerifyFormat::Json => streams.product(&print::json_opening(&readers.attendance))?,
+        VerifyFormat::Json => streams.json(&print::json_opening(&readers.attendance))?,
     }
     for input in Inputs::new(args.files.clone()) {
         run.one(input, &mut readers)?;
@@ -144,6 +144,7 @@ impl Run<'_> {
                 return Ok(());
             }
         };
+        given::saw(&subject.layout().files);
         let mut report = verify(&subject, &self.options, &mut readers.here);
         if let Some(words) = &self.spirv {
             hold_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
@@ -167,7 +168,10 @@ impl Run<'_> {
             }
         };
         self.counts.add(&report);
-        self.streams.product(&text)?;
+        match self.args.format {
+            VerifyFormat::Human => self.streams.product(&text)?,
+            VerifyFormat::Json => self.streams.json(&text)?,
+        }
         if self.args.record {
             self.record(&subject, &input, &report, &readers.attendance)?;
         }
@@ -221,14 +225,35 @@ impl Run<'_> {
         // A lock of another layout keeps nobody's word.
         let renewed = lock::renew(subject.layout(), Some(&lock));
         if renewed != text {
-            write_whole(&path, renewed.as_bytes())?;
+            let named = self.args.locks.is_some();
+            self.config.writer(&locks, named).write(&path, renewed.as_bytes())?;
         }
         Ok(())
     }
 
+    /// Nothing was read back, so that nothing is proved.
+    fn nothing(self) -> Result<Outcome, Failure> {
+        let shaders = match self.counts.shaders {
+            1 => "1 shader".to_string(),
+            n => format!("{n} shaders"),
+        };
+        let (message, code) = match &self.args.block {
+            Some(name) => (format!("no block named `{name}` in {shaders}"), Code::UnknownBlock),
+            None => (format!("no blocks to verify in {shaders}"), Code::NoBlocks),
+        };
+        let severity = if self.args.block.is_some() { Severity::Error } else { Severity::Warning };
+        let found = Diagnostic { severity, ..Diagnostic::about(code, message, None, "") };
+        let found = Diagnostic { path: None, ..found };
+        self.streams.report(&self.style.text(&[found], &Files::default()));
+        Ok(if self.args.block.is_some() { Outcome::CouldNot } else { Outcome::Clean })
+    }
+
     fn finish(self) -> Result<Outcome, Failure> {
         if self.args.format == VerifyFormat::Json {
-            self.streams.product(print::json_closing(self.counts.shaders))?;
+            self.streams.json(print::json_closing(self.counts.shaders))?;
+        }
+        if self.counts.blocks == 0 && self.counts.failed == 0 && !self.could_not {
+            return self.nothing();
         }
         if self.counts.shaders > 0 {
             self.streams.notes(&print::summary(&self.counts));

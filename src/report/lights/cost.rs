@@ -1,7 +1,7 @@
 //! What the lights of a shader cost, and where their code may leave the numbers.
 //!
-//! Reads [`roles`](super::roles), the layout, and what [`lint::hazards`](landfall_lint::hazards)
-//! found by following the shader; [`emit::lights`](crate::report::lights) prints it.
+//! Reads [`roles`](landfall_ir::analysis::roles), the layout, and what [`lint::hazards`](landfall_lint::hazards)
+//! found by following the shader; [`lights`](crate::report::lights) prints it.
 
 use std::sync::Arc;
 

@@ -60,6 +60,8 @@ impl Place {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
         command.args(arguments).current_dir(&self.0).stdin(Stdio::null());
+        // Otherwise a key is made in the home folder of whoever runs the tests.
+        command.env("LANDFALL_CACHE_KEY", "the key of these tests");
         command.env_remove("GITHUB_STEP_SUMMARY").env_remove("CLICOLOR_FORCE");
         command
     }

@@ -12,6 +12,7 @@ fuzz_target!(|text: &str| {
             text: text.into(),
             language,
             stage: Some(Stage::Fragment),
+            foreign: None,
         };
         layout(&source, &Options { gather: true, ..Options::default() });
     }

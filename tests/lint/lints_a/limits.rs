@@ -133,6 +133,28 @@ fn push_constants_end_by_byte_128() {
     assert_eq!(found_in(code, "a.frag", &of("layout(offset = 112) vec4 a; vec4 b;")).len(), 1);
     let wgsl = "struct P { a: mat4x4f, b: mat4x4f, c: f32 } var<immediate> p: P;";
     assert_eq!(found_in(code, "a.wgsl", wgsl).len(), 1);
+}
+
+/// WebGPU, default limits: maxImmediateSize is 64.
+#[test]
+fn immediate_data_of_wgsl_end_by_byte_64_unless_vulkan_alone_is_the_target() {
+    let code = "push-constant-limit";
+    let of = |members: &str| format!("struct P {{ {members} }} var<immediate> p: P;");
+    let found = |members: &str, targets: &[Target]| {
+        found(code, &[("a.wgsl", &of(members))], &with_targets(targets)).len()
+    };
+    let (fits, over) = ("a: mat4x4f", "a: mat4x4f, b: f32");
+    let cases: [(&[Target], usize); 4] = [
+        (&[], 1),
+        (&[Target::WebGpu], 1),
+        (&[Target::WebGpu, Target::Vulkan], 1),
+        (&[Target::Vulkan], 0),
+    ];
+    for (targets, of_over) in cases {
+        assert_eq!((found(fits, targets), found(over, targets)), (0, of_over), "{targets:?}");
+    }
+    let finding = only(found_in(code, "a.wgsl", &of(over)));
+    assert!(finding.message.ends_with("WebGPU guarantees only 64 bytes"), "{}", finding.message);
     assert_eq!(found_in(code, "a.frag", lint(code).unwrap().example).len(), 1);
 }
 

@@ -5,7 +5,7 @@
 //! leaves them then, without a word: an answer of longer loops is not the shader's.
 //!
 //! [`Gl`] keeps one context of each kind a text asks for. It calls a driver, which may
-//! crash or hang: [`remote`](crate::backend::subprocess) does the same in a process of its own.
+//! crash or hang: [`subprocess`](crate::backend::subprocess) does the same in a process of its own.
 
 mod bind;
 mod context;
@@ -46,7 +46,7 @@ impl Gl {
     /// Opens the driver; a core context, or what there is instead, says who it is.
     ///
     /// # Errors
-    /// [`FailureKind::Missing`](super::reader::FailureKind::Missing) where there is none.
+    /// [`FailureKind::Missing`](super::FailureKind::Missing) where there is none.
     pub fn open() -> Result<Gl, Failure> {
         let display = Display::open()?;
         let mut missing = None;
@@ -91,7 +91,7 @@ impl Gl {
     /// asks for.
     ///
     /// # Errors
-    /// [`FailureKind::Refused`](super::reader::FailureKind::Refused) with the compiler's log.
+    /// [`FailureKind::Refused`](super::FailureKind::Refused) with the compiler's log.
     pub fn reflect(&mut self, sources: &[(Stage, &str)]) -> Result<Reflection, Failure> {
         let slot = self.slot(sources)?;
         let program = slot.programs.get(&slot.context, sources, Partner::None)?;

@@ -1,7 +1,7 @@
 //! What an OpenGL driver says of a text as the user wrote it: where it put every member.
 //!
 //! Plain data; made by the driver's reader, compared with the layout by
-//! [`verify`](super::verify).
+//! [`verify`](crate::harness::verify).
 
 use serde::{Deserialize, Serialize};
 

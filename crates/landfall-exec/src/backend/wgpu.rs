@@ -4,7 +4,7 @@
 //! leaves them then, without a word: an answer of longer loops is not the shader's.
 //!
 //! Never WGSL text: it would lose offsets and strides on the way. [`Gpu`] calls a driver,
-//! which may crash or hang: [`remote`](crate::backend::subprocess) does the same in a process of
+//! which may crash or hang: [`subprocess`](crate::backend::subprocess) does the same in a process of
 //! its own.
 
 mod adapter;

@@ -138,6 +138,30 @@ pub(super) fn colour(textures: &[(String, [f32; 4])], path: &str) -> Option<[f32
     textures.iter().find(|(name, _)| named(name)).map(|(_, colour)| *colour)
 }
 
+/// Whether every texture that is given a colour is there.
+pub(super) fn textures_are_there(
+    module: &Module,
+    textures: &[(String, [f32; 4])],
+) -> Result<(), Box<Diagnostic>> {
+    let handles = module.handles().iter();
+    let mut paths: Vec<&str> = handles
+        .filter(|handle| matches!(handle.kind, HandleKind::Texture))
+        .map(|handle| handle.path.as_str())
+        .collect();
+    paths.dedup();
+    let is_there = |given: &(String, [f32; 4])| {
+        paths.iter().any(|path| colour(std::slice::from_ref(given), path).is_some())
+    };
+    let Some((name, _)) = textures.iter().find(|given| !is_there(given)) else { return Ok(()) };
+    let near = landfall_layout::text::edit_distance::nearest(name, paths.iter().copied());
+    let help = near.map(|near| format!("did you mean `{near}`?")).or_else(|| {
+        let all: Vec<String> = paths.iter().map(|path| format!("`{path}`")).collect();
+        (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
+    });
+    let message = format!("the shader has no texture `{name}`");
+    Err(Box::new(Diagnostic::about(Code::UnknownTexture, message, help, "--texture")))
+}
+
 /// A texture of one texel, white if no colour is given.
 pub(super) fn texture(colour: Option<[f32; 4]>) -> ResourceKind {
     ResourceKind::Texture { width: 1, height: 1, texels: vec![colour.unwrap_or(WHITE)] }

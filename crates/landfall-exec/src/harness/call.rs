@@ -25,7 +25,7 @@ use serde_json::Value;
 use self::caller::{Caller, CallerInput};
 use self::find::Found;
 pub use self::report::{CallReport, Given, GivenScalar};
-use super::verify;
+use super::access;
 use crate::backend::{Failure, Reader};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
@@ -132,7 +132,11 @@ impl Job<'_> {
         match request.floats {
             Floats::AsWritten => {}
             Floats::Half => notes.push("every operation is rounded to f16".to_string()),
-            Floats::Mediump => notes.push("what is mediump or lowp is rounded to f16".to_string()),
+            Floats::Mediump => notes.push(
+                "what is mediump or lowp is rounded to f16; a lowp in fixed point between -2 and 2, \
+                 which ES permits, is coarser"
+                    .to_string(),
+            ),
         }
         let driver = reader.filter(|reader| reader.device().reader.is_driver());
         let (device, answered) = match driver {
@@ -204,8 +208,9 @@ impl Job<'_> {
         let Job { source, request, .. } = self;
         let module = &caller.module;
         let bytes = bound::blocks(module, &request.data, bound::zeros)?;
+        bound::textures_are_there(module, &request.textures)?;
         let files = module.files();
-        let writable = |block: &_| verify::access::writable(block, files, source.language);
+        let writable = |block: &_| access::writable(block, files, source.language);
         let resources = bound::resources(module, bytes, writable, &request.textures);
         let program = Program::rounded(module, &[], request.floats);
         let number = module.ir.functions.len() - 1;

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use self::fill::{Filling, inputs};
-use super::verify;
+use super::access;
 use crate::backend::{Failure, Grid, Job, Reader, Resource, StageCode};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
@@ -108,8 +108,7 @@ pub fn coverage(
             all.resize(bytes.len().next_multiple_of(4).max(all.len()), false);
         }
         let files = module.files();
-        let writable =
-            |block: &BlockLayout| verify::access::writable(block, files, source.language);
+        let writable = |block: &BlockLayout| access::writable(block, files, source.language);
         let resources = bound::resources(&module, bytes, writable, &[]);
         for entry in module.entry_points() {
             let settings =

@@ -4,7 +4,7 @@
 //! There are no vertices: the fragments are packed into an image in the order of the caller, and
 //! the inputs come from a texture of floats, read by the pixel. `module` puts that into a
 //! module for the evaluator and wgpu, `text` into the user's GLSL for OpenGL, and `batch`
-//! makes and runs the jobs. Feeds [`light`](landfall_light).
+//! makes and runs the jobs. Feeds `landfall_light`.
 
 mod batch;
 mod module;

@@ -11,8 +11,8 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
 
-use crate::harness::verify::partner;
 use landfall_layout::source::{ReadOptions, Source};
+use landfall_layout::syntax::glsl::ast::Item;
 use landfall_layout::syntax::glsl::lexer::Kind;
 pub use landfall_layout::syntax::glsl::raw;
 pub use landfall_layout::syntax::glsl::raw::{RawText, RawToken};
@@ -91,6 +91,8 @@ pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted)
     let tokens = &raw.tokens;
     let mut at = 0;
     let mut declared = false;
+    // Conditions are gone too: a directive stands between declarations.
+    let mut declarations = raw.declarations(&flat.text).into_iter();
     while at < tokens.len() {
         if tokens[at].directive.is_none() && !std::mem::replace(&mut declared, true) {
             for builtin in &wanted.builtins {
@@ -106,11 +108,11 @@ pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted)
             at += count;
             continue;
         }
-        let word = |token: &RawToken| &flat.text[token.start..token.end];
-        let found = partner::statement(&tokens[at..], &word);
-        let statement = &tokens[at..at + found.end];
-        at += found.end;
-        rewriter.statement(statement, found.function);
+        let Some(declaration) = declarations.next() else { break };
+        let function = matches!(&declaration.item, Item::Function(f) if f.body_tokens.is_some());
+        at = declaration.tokens.last().map_or(at, |last| last + 1);
+        let own = declaration.tokens.iter().map(|&token| tokens[token].clone());
+        rewriter.statement(&own.collect::<Vec<_>>(), function);
     }
     let Rewriter { out, blocks, late, .. } = rewriter;
     Rewritten { text: out, blocks, late, raw, flat }

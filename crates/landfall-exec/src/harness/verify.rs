@@ -4,7 +4,6 @@
 //! Takes the layout of a shader, makes [`probe`](super::probe)s of its text, has a
 //! [`Reader`] run them, and gives a [`ShaderReport`].
 
-pub(super) mod access;
 pub(super) mod code;
 mod compiled;
 pub(super) mod partner;
@@ -15,6 +14,7 @@ mod verifier;
 use std::time::Duration;
 
 use crate::backend::{Failure, Reader};
+use crate::harness::access;
 use crate::harness::spirv;
 pub use compiled::run_compiled;
 use landfall_layout::layout::BlockLayout;

@@ -21,9 +21,7 @@ use naga::{AddressSpace, Handle, StorageAccess};
 
 use super::code::{Origin, Reg};
 use super::program::{BufferInfo, BufferSpace, Floats, FunctionCode, ImageInfo, Program};
-pub(super) use builder::Body;
 use builder::Builder;
-pub(super) use function::Compiled;
 use function::Function;
 use landfall_ir::Module;
 

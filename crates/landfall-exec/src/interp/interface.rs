@@ -2,8 +2,8 @@
 
 use naga::{Binding, BuiltIn, ShaderStage, TypeInner};
 
+use super::body::Compiled;
 use super::code::Reg;
-use super::compile::Compiled;
 use super::flatten::Types;
 use landfall_layout::source::Stage;
 

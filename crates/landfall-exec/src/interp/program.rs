@@ -43,7 +43,8 @@ pub enum Floats {
     AsWritten,
     /// `f16`, each operation and everything that is read: arguments, inputs, buffers, textures.
     Half,
-    /// `f16` where a shader of OpenGL ES says `mediump` or `lowp`: GLSL ES 3.20 §4.7. Others
+    /// `f16` where a shader of OpenGL ES says `mediump` or `lowp`: GLSL ES 3.20 §4.7, which lets
+    /// `lowp` be fixed point of 10 bits in ±2, too; that is not modelled. Others
     /// are as written.
     Mediump,
 }

@@ -3,8 +3,8 @@
 //!
 //! Called by [`compile`](super::compile) on one function at a time.
 
+use super::body::Body;
 use super::code::{Inst, Op, Reg, Region};
-use super::compile::Body;
 
 /// What an instruction does with a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

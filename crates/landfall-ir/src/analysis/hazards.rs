@@ -3,7 +3,7 @@
 //! `walk` runs a [`Module`] on names instead of numbers, from its entry points, calls inlined:
 //! every value is a node of a `graph`, what is known of it is `facts`, and `judge` looks at each
 //! operation when it is met, under the conditions that hold there. What it says are [`Occurrence`]s
-//! with places in the user's text; [`lint::hazards`](landfall_lint::hazards) words them.
+//! with places in the user's text; `landfall_lint::hazards` makes findings of them.
 
 mod assume;
 mod control;
@@ -199,7 +199,7 @@ pub fn find(
         fragment: source.stage.is_none_or(|stage| stage == Stage::Fragment),
         precise,
     };
-    crate::module::on_a_large_stack(|| Ok(walk::follow(&module, lights, setting)))
+    crate::stack::on_a_large_stack(|| Ok(walk::follow(&module, lights, setting)))
 }
 
 /// What holds for the shader as a whole.

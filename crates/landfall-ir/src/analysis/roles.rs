@@ -2,7 +2,7 @@
 //!
 //! Guessed from names, types and nesting alone: no scene and no function is looked at.
 //! Reads [`shape`](landfall_layout::shape) and [`layout`](mod@landfall_layout::layout); feeds the binding map,
-//! [`cost`](super::cost), and the lints of lights.
+//! the report of `landfall lights`, and the lints of lights.
 
 mod count;
 mod judge;

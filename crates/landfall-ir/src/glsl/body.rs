@@ -288,8 +288,10 @@ impl<'l, 'a> Body<'l, 'a> {
             Const::Bool(value) => (Literal::Bool(*value), Ty::BOOL),
             Const::Int(value) => (Literal::I32(*value), Ty::INT),
             Const::Uint(value) => (Literal::U32(*value), Ty::UINT),
+            Const::Long(value) => (Literal::I64(*value), Ty::Scalar(Kind::Long)),
+            Const::Ulong(value) => (Literal::U64(*value), Ty::Scalar(Kind::Ulong)),
             Const::Float(value) => (Literal::F32(*value as f32), Ty::FLOAT),
-            Const::List(_) => return None,
+            Const::Abstract(_) | Const::List(_) => return None,
         };
         Some(Val { expr: self.literal(literal), ty })
     }

@@ -39,7 +39,9 @@ impl<'a> Body<'_, 'a> {
     fn call_of(&mut self, e: &Expr<'a>, for_effect: bool) -> R<Operand> {
         let (name, arguments) = match &e.kind {
             ExprKind::Construct(spec, arguments) => match spec.base {
-                TypeBase::Name(text) if is_handle(text) => (Name { text, span: e.span }, arguments),
+                TypeBase::Name(text) if is_handle(text) => {
+                    (Name { text, span: e.span, at: spec.at }, arguments)
+                }
                 _ => return self.construct(spec, arguments, e).map(Operand::Value),
             },
             ExprKind::Call(name, arguments) => (*name, arguments),

@@ -17,7 +17,7 @@ pub fn sized_by<'a>(ty: Ty, init: &Expr<'a>, constant: &dyn Fn(&Expr<'a>) -> Opt
     let (items, written) = match &init.kind {
         ExprKind::List(items) => (items, None),
         ExprKind::Construct(spec, items) if !spec.dims.is_empty() => {
-            let size = spec.dims[0].size.as_ref().and_then(constant);
+            let size = spec.dims[0].size.as_deref().and_then(constant);
             (items, size.and_then(|c| u32::try_from(c.integer()?).ok()))
         }
         _ => return ty,

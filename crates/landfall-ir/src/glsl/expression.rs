@@ -117,14 +117,8 @@ impl<'a> Body<'_, 'a> {
 
     /// A number as written, or with a minus before it.
     pub fn literal_of(&mut self, text: &str, negative: bool) -> R<Val> {
-        let Some((value, kind)) = literal(text) else {
+        let Some((number, kind)) = literal(text) else {
             return self.refuse(format!("`{text}` is no number that can run"));
-        };
-        let number = match value {
-            Const::Int(value) => f64::from(value),
-            Const::Uint(value) => f64::from(value),
-            Const::Float(value) => value,
-            Const::Bool(_) | Const::List(_) => 0.0,
         };
         let number = if negative { -number } else { number };
         if kind == Kind::Uint && negative {
@@ -217,7 +211,7 @@ impl<'a> Body<'_, 'a> {
                 let path = ty.has_opaque().then(|| Way { text: name.to_string(), dynamic: None });
                 Ok(Operand::Place(Place { path, ..place }))
             }
-            Global::Constant { ty, declaration, index: which, value } => {
+            Global::Constant { ty, declaration, index: which, value, .. } => {
                 if let Some(value) = value.and_then(|value| self.value_of(&value)) {
                     return Ok(Operand::Value(value));
                 }

@@ -6,7 +6,7 @@ use naga::{Handle, MemoryDecorations, ResourceBinding};
 
 use super::ast::*;
 use super::carrier::builtin;
-use super::constant::{Const, evaluate};
+use super::constant::{Const, converted, evaluate};
 use super::host::Host;
 use super::io::Io;
 use super::types::{Field, Kind, Structure, Ty, holds_values};
@@ -21,28 +21,21 @@ const MOST_LEAVES: u64 = 1 << 20;
 #[derive(Clone, Debug)]
 pub enum Global<'a> {
     /// A variable of values.
-    Variable {
-        handle: Handle<naga::GlobalVariable>,
-        ty: Ty,
-        writable: bool,
-    },
+    Variable { handle: Handle<naga::GlobalVariable>, ty: Ty, writable: bool },
     /// A `shared` variable that atomic functions change.
-    Shared {
-        handle: Handle<naga::GlobalVariable>,
-        host: Rc<Host>,
-    },
+    Shared { handle: Handle<naga::GlobalVariable>, host: Rc<Host> },
     /// A block with an instance name: its memory.
     Block(usize),
     /// A member of a block without one, or a loose uniform.
-    Member {
-        memory: Option<usize>,
-        ty: Ty,
-    },
+    Member { memory: Option<usize>, ty: Ty },
     Constant {
         ty: Ty,
         declaration: Rc<Declaration<'a>>,
         index: usize,
+        /// What stands for it where the shader computes with it.
         value: Option<Const>,
+        /// What it counts as in constant expressions.
+        known: Option<Const>,
     },
     /// Cannot run, for that reason, if it is used.
     Refused(Box<Diagnostic>),
@@ -76,7 +69,7 @@ impl<'a> Lowerer<'a> {
                     self.variables(declaration);
                     Ok(())
                 }
-                Item::Block(block) => {
+                Item::Block(block) | Item::Interface(block) => {
                     if let Err(why) = self.block(block) {
                         self.refuse_block(block, why);
                     }
@@ -87,6 +80,7 @@ impl<'a> Lowerer<'a> {
                     self.defaults(qualifiers);
                     Ok(())
                 }
+                Item::Requalified(..) | Item::Precision(_) | Item::Other(_) => Ok(()),
             }
             .map_err(|d| vec![*d])?;
         }
@@ -114,8 +108,12 @@ impl<'a> Lowerer<'a> {
         for item in items {
             let qualifiers = match item {
                 Item::Variables(declaration) => &declaration.qualifiers,
-                Item::Block(block) => &block.qualifiers,
-                Item::Function(_) | Item::Defaults(_) => continue,
+                Item::Block(block) | Item::Interface(block) => &block.qualifiers,
+                Item::Function(_)
+                | Item::Defaults(_)
+                | Item::Requalified(..)
+                | Item::Precision(_)
+                | Item::Other(_) => continue,
             };
             if let Some(binding) = self.layout_number(qualifiers, "binding") {
                 let group = self.layout_number(qualifiers, "set").unwrap_or(0);
@@ -145,7 +143,7 @@ impl<'a> Lowerer<'a> {
 
     pub fn constant_named(&self, name: &str) -> Option<Const> {
         match self.global_names.get(name).map(|&i| &self.globals[i]) {
-            Some(Global::Constant { value, .. }) => value.clone(),
+            Some(Global::Constant { known, .. }) => known.clone(),
             Some(_) => None,
             None => self.language_constant(name),
         }
@@ -259,14 +257,18 @@ impl<'a> Lowerer<'a> {
                     self.all_variables(declaration);
                 }
             }
-            Item::Block(block) => {
+            Item::Block(block) | Item::Interface(block) => {
                 for member in &block.members {
                     if let TypeBase::Struct(structure) = &member.ty.base {
                         self.declare_structure(structure);
                     }
                 }
             }
-            Item::Function(_) | Item::Defaults(_) => {}
+            Item::Function(_)
+            | Item::Defaults(_)
+            | Item::Requalified(..)
+            | Item::Precision(_)
+            | Item::Other(_) => {}
         }
     }
 
@@ -310,12 +312,16 @@ impl<'a> Lowerer<'a> {
                 let Some(init) = &declarator.init else {
                     return Err(refuse(name.span, format!("`{}` has no value", name.text)));
                 };
-                let value = match self.override_of(qualifiers, name.text, &ty) {
-                    Some(value) => Some(value),
-                    None => self.constant_value(init, &ty),
+                let (value, known) = match self.override_of(qualifiers, name.text, &ty) {
+                    Some(value) => (Some(value.clone()), Some(value)),
+                    None => {
+                        let known = self.constant(init).and_then(|value| Self::typed(value, &ty));
+                        (known.clone().and_then(|value| Self::settled(value, init, &ty)), known)
+                    }
                 };
                 let declaration = declaration.clone();
-                self.declare_global(name.text, Global::Constant { ty, declaration, index, value });
+                let global = Global::Constant { ty, declaration, index, value, known };
+                self.declare_global(name.text, global);
                 Ok(())
             }
             Storage::Uniform => self.loose_uniform(qualifiers, name, ty),
@@ -344,7 +350,7 @@ impl<'a> Lowerer<'a> {
                 }
                 Ok(())
             }
-            Storage::InOut | Storage::Buffer | Storage::Foreign => {
+            Storage::InOut | Storage::Buffer | Storage::Varying | Storage::Foreign => {
                 let message =
                     format!("`{}` has storage that naga has no counterpart for", name.text);
                 Err(refuse(name.span, message))
@@ -398,19 +404,22 @@ impl<'a> Lowerer<'a> {
         Ok(())
     }
 
-    /// The whole value of a constant, where it is a number that need not be computed in floats.
-    pub fn constant_value(&self, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
-        let value = self.constant(init)?;
-        Self::settled(value, init, ty)
+    /// The value of a constant of that type.
+    pub fn typed(value: Const, ty: &Ty) -> Option<Const> {
+        match ty {
+            Ty::Scalar(kind) => converted(&value, *kind),
+            Ty::Vector(..) | Ty::Array(..) => Some(value),
+            Ty::Void | Ty::Matrix(..) | Ty::Struct(_) | Ty::Opaque(_) => None,
+        }
     }
 
+    /// The value of a constant, where it is a number that need not be computed in floats.
     pub fn settled(value: Const, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
         match ty {
             Ty::Scalar(Kind::Float) if !matches!(init.kind, ExprKind::Number(_)) => None,
-            Ty::Scalar(Kind::Double | Kind::Half) => None,
-            Ty::Scalar(kind) => value.to(*kind),
-            Ty::Vector(Kind::Int | Kind::Uint, _) | Ty::Array(..) => Some(value),
-            _ => None,
+            Ty::Scalar(Kind::Double | Kind::Half | Kind::Short | Kind::Ushort) => None,
+            Ty::Vector(kind, _) if !matches!(kind, Kind::Int | Kind::Uint) => None,
+            _ => Some(value),
         }
     }
 
@@ -427,7 +436,7 @@ impl<'a> Lowerer<'a> {
                 Err(_) => Const::Float(text.parse().ok()?),
             },
         };
-        value.to(ty.kind()?)
+        converted(&value, ty.kind()?)
     }
 
     /// A loose uniform: handles become globals, the rest is a member of the default block.

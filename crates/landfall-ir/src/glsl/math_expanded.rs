@@ -31,6 +31,37 @@ impl<'a> Body<'_, 'a> {
                 let expr = self.math(M::Mix, &[values[0].expr, values[1].expr, values[2].expr]);
                 Ok(Some(Val { expr, ty: values[0].ty.clone() }))
             }
+            ("matrixCompMult", [a, b]) => {
+                let (Ty::Matrix(kind, columns, rows), true) = (a.ty.clone(), a.ty == b.ty) else {
+                    return Ok(None);
+                };
+                let mut parts = Vec::new();
+                for i in 0..u32::from(columns) {
+                    let (left, right) = (self.part(a.expr, i), self.part(b.expr, i));
+                    parts.push(self.binary(B::Multiply, left, right));
+                }
+                self.compose(&Ty::Matrix(kind, columns, rows), parts).map(Some)
+            }
+            ("outerProduct", [c, r]) => {
+                let (c, r) = (self.float(c)?, self.float(r)?);
+                let (Ty::Vector(kind, rows), Ty::Vector(_, columns)) = (&c.ty, &r.ty) else {
+                    return Ok(None);
+                };
+                let (kind, rows, columns) = (*kind, *rows, *columns);
+                let mut parts = Vec::new();
+                for i in 0..u32::from(columns) {
+                    let factor = self.part(r.expr, i);
+                    parts.push(self.binary(B::Multiply, c.expr, factor));
+                }
+                self.compose(&Ty::Matrix(kind, columns, rows), parts).map(Some)
+            }
+            _ => self.geometric_call(name, values),
+        }
+    }
+
+    /// The geometric functions (GLSL 4.60 §8.5), which naga has for vectors only.
+    fn geometric_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
+        match (name, values) {
             ("length", [x]) => {
                 let x = self.float(x)?;
                 let kind = x.ty.kind().unwrap_or(Kind::Float);
@@ -39,7 +70,7 @@ impl<'a> Body<'_, 'a> {
             }
             ("distance", [a, b]) => {
                 let difference = self.operate(Binary::Subtract, a, b)?;
-                self.expanded_call("length", &[difference])
+                self.geometric_call("length", &[difference])
             }
             ("dot", [_, _]) => {
                 let Some(values) = self.alike(values, true)? else { return Ok(None) };
@@ -89,30 +120,6 @@ impl<'a> Body<'_, 'a> {
                 }
                 let expr = self.math(M::Refract, &[pair[0].expr, pair[1].expr, eta.expr]);
                 Ok(Some(Val { expr, ty: pair[0].ty.clone() }))
-            }
-            ("matrixCompMult", [a, b]) => {
-                let (Ty::Matrix(kind, columns, rows), true) = (a.ty.clone(), a.ty == b.ty) else {
-                    return Ok(None);
-                };
-                let mut parts = Vec::new();
-                for i in 0..u32::from(columns) {
-                    let (left, right) = (self.part(a.expr, i), self.part(b.expr, i));
-                    parts.push(self.binary(B::Multiply, left, right));
-                }
-                self.compose(&Ty::Matrix(kind, columns, rows), parts).map(Some)
-            }
-            ("outerProduct", [c, r]) => {
-                let (c, r) = (self.float(c)?, self.float(r)?);
-                let (Ty::Vector(kind, rows), Ty::Vector(_, columns)) = (&c.ty, &r.ty) else {
-                    return Ok(None);
-                };
-                let (kind, rows, columns) = (*kind, *rows, *columns);
-                let mut parts = Vec::new();
-                for i in 0..u32::from(columns) {
-                    let factor = self.part(r.expr, i);
-                    parts.push(self.binary(B::Multiply, c.expr, factor));
-                }
-                self.compose(&Ty::Matrix(kind, columns, rows), parts).map(Some)
             }
             _ => Ok(None),
         }

@@ -48,7 +48,7 @@ impl<'a> Walk<'a> {
     fn item(&mut self, item: &Item<'a>) {
         match item {
             Item::Variables(declaration) => self.declaration(declaration),
-            Item::Block(block) => {
+            Item::Block(block) | Item::Interface(block) => {
                 let members = self.members(&block.members);
                 match &block.instance {
                     Some(instance) => {
@@ -70,7 +70,7 @@ impl<'a> Walk<'a> {
                 self.statements(function.body.as_deref().unwrap_or_default());
                 self.scopes.pop();
             }
-            Item::Defaults(_) => {}
+            Item::Defaults(_) | Item::Requalified(..) | Item::Precision(_) | Item::Other(_) => {}
         }
     }
 

@@ -255,16 +255,17 @@ impl<'a> Body<'_, 'a> {
             self.declare(name, Symbol::Place(place));
             return Ok(());
         };
-        let whole = match constant {
-            true => self.constant(init).and_then(|value| Lowerer::settled(value, init, &ty)),
+        let known = match constant {
+            true => self.constant(init).and_then(|value| Lowerer::typed(value, &ty)),
             false => None,
         };
+        let whole = known.clone().and_then(|value| Lowerer::settled(value, init, &ty));
         let value = match whole.as_ref().and_then(|whole| self.value_of(whole)) {
             Some(value) => value,
             None => self.initial(init, &ty)?,
         };
-        let symbol = match (constant, whole) {
-            (true, Some(whole)) => Symbol::Const(value, whole),
+        let symbol = match (constant, known) {
+            (true, Some(known)) => Symbol::Const(value, known),
             (true, None) => Symbol::Value(value),
             (false, _) => {
                 self.span = declarator.name.span;

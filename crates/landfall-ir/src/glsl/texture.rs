@@ -172,54 +172,19 @@ impl<'a> Body<'_, 'a> {
         }
         let mut coordinate =
             if own == count { given.clone() } else { self.select(&given, &first)? };
-        let mut array_index = None;
-        let mut depth = None;
-        if image.arrayed {
-            let layer = self.select(&given, &[own])?;
-            // GLSL 4.60 §8.9: the layer is rounded.
-            let half = self.number(Kind::Float, 0.5);
-            let layer = self.binary(B::Add, layer.expr, half.expr);
-            let layer = self.math(naga::MathFunction::Floor, &[layer]);
-            let layer = Val { expr: layer, ty: Ty::FLOAT };
-            array_index = Some(self.convert(&layer, &Ty::INT)?.expr);
-        }
-        if image.depth {
-            // The reference is the last component; a cube array's and a gather's stand alone.
-            let used = own + u8::from(image.arrayed);
-            let inside = if image.dim == ImageDimension::D1 { used.max(2) } else { used };
-            depth = if form.gather || count <= inside {
-                let Some(reference) = arguments.take() else {
-                    return self.refuse("what to compare with is missing");
-                };
-                Some(self.coerce(&reference, &Ty::FLOAT)?.expr)
-            } else {
-                Some(self.select(&given, &[inside])?.expr)
-            };
-        }
+        let array_index = match image.arrayed {
+            true => Some(self.layer(&given, own)?),
+            false => None,
+        };
+        let depth = match image.depth {
+            true => Some(self.reference(image, form, &given, arguments)?),
+            false => None,
+        };
         if image.rectangle && !form.gather {
-            let query = ImageQuery::Size { level: None };
-            let size = self.add(Expression::ImageQuery { image: texture, query });
-            let size = Val { expr: size, ty: Ty::Vector(Kind::Uint, 2) };
-            let size = self.convert(&size, &Ty::Vector(Kind::Float, 2))?;
+            let size = self.texels(texture, 2)?;
             coordinate = self.operate(Binary::Divide, &coordinate, &size)?;
         }
-        let mut level = self.automatic_level();
-        if form.lod {
-            let Some(lod) = arguments.take() else { return self.refuse("the level is missing") };
-            let lod = self.coerce(&lod, &Ty::FLOAT)?;
-            level = match image.depth {
-                // naga compares at the first level only.
-                true => SampleLevel::Zero,
-                false => SampleLevel::Exact(lod.expr),
-            };
-        } else if form.grad {
-            let (Some(x), Some(y)) = (arguments.take(), arguments.take()) else {
-                return self.refuse("the derivatives are missing");
-            };
-            let ty = Ty::of(Kind::Float, own);
-            let (x, y) = (self.coerce(&x, &ty)?.expr, self.coerce(&y, &ty)?.expr);
-            level = if image.depth { SampleLevel::Zero } else { SampleLevel::Gradient { x, y } };
-        }
+        let mut level = self.level(image, form, arguments)?;
         let mut offset = None;
         if form.offset {
             let Some(by) = arguments.take() else { return self.refuse("the offset is missing") };
@@ -227,10 +192,7 @@ impl<'a> Body<'_, 'a> {
                 offset = Some(by.expr);
             } else {
                 // naga takes constant offsets only: others are added in texels.
-                let query = ImageQuery::Size { level: None };
-                let size = self.add(Expression::ImageQuery { image: texture, query });
-                let size = Val { expr: size, ty: Ty::of(Kind::Uint, own) };
-                let size = self.convert(&size, &Ty::of(Kind::Float, own))?;
+                let size = self.texels(texture, own)?;
                 let by = self.convert(&by, &Ty::of(Kind::Float, own))?;
                 let by = self.operate(Binary::Divide, &by, &size)?;
                 coordinate = self.operate(Binary::Add, &coordinate, &by)?;
@@ -239,16 +201,7 @@ impl<'a> Body<'_, 'a> {
         let mut gather = None;
         if form.gather {
             level = SampleLevel::Zero;
-            let component = arguments.take().map(|v| self.function.expressions[v.expr].clone());
-            gather = Some(match component {
-                None if image.depth => naga::SwizzleComponent::X,
-                None => naga::SwizzleComponent::X,
-                Some(Expression::Literal(naga::Literal::I32(0))) => naga::SwizzleComponent::X,
-                Some(Expression::Literal(naga::Literal::I32(1))) => naga::SwizzleComponent::Y,
-                Some(Expression::Literal(naga::Literal::I32(2))) => naga::SwizzleComponent::Z,
-                Some(Expression::Literal(naga::Literal::I32(3))) => naga::SwizzleComponent::W,
-                Some(_) => return self.refuse("the component that is gathered is no constant"),
-            });
+            gather = Some(self.gathered(arguments)?);
         } else if let (Some(bias), SampleLevel::Auto, false) =
             (arguments.take(), level, image.depth)
         {
@@ -271,6 +224,83 @@ impl<'a> Body<'_, 'a> {
         let scalar = image.depth && gather.is_none();
         let ty = if scalar { Ty::FLOAT } else { Ty::Vector(image.kind, 4) };
         Ok(Val { expr, ty })
+    }
+
+    /// The layer of an array that coordinates name: rounded, GLSL 4.60 §8.9.
+    fn layer(&mut self, given: &Val, at: u8) -> R<Handle<Expression>> {
+        let layer = self.select(given, &[at])?;
+        let half = self.number(Kind::Float, 0.5);
+        let layer = self.binary(B::Add, layer.expr, half.expr);
+        let layer = self.math(naga::MathFunction::Floor, &[layer]);
+        Ok(self.convert(&Val { expr: layer, ty: Ty::FLOAT }, &Ty::INT)?.expr)
+    }
+
+    /// The number that depths are compared with: the last component of the coordinates; a cube
+    /// array's and a gather's stand alone.
+    fn reference(
+        &mut self,
+        image: &Image,
+        form: Form,
+        given: &Val,
+        arguments: &mut Arguments,
+    ) -> R<Handle<Expression>> {
+        let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
+        let used = coordinates(image) + u8::from(image.arrayed);
+        let inside = if image.dim == ImageDimension::D1 { used.max(2) } else { used };
+        if !form.gather && count > inside {
+            return Ok(self.select(given, &[inside])?.expr);
+        }
+        let Some(reference) = arguments.take() else {
+            return self.refuse("what to compare with is missing");
+        };
+        Ok(self.coerce(&reference, &Ty::FLOAT)?.expr)
+    }
+
+    /// The size of a texture as floats.
+    fn texels(&mut self, texture: Handle<Expression>, components: u8) -> R<Val> {
+        let query = ImageQuery::Size { level: None };
+        let size = self.add(Expression::ImageQuery { image: texture, query });
+        let size = Val { expr: size, ty: Ty::of(Kind::Uint, components) };
+        self.convert(&size, &Ty::of(Kind::Float, components))
+    }
+
+    /// The level of detail that a function is given, or the automatic one.
+    fn level(&mut self, image: &Image, form: Form, arguments: &mut Arguments) -> R<SampleLevel> {
+        if form.lod {
+            let Some(lod) = arguments.take() else { return self.refuse("the level is missing") };
+            let lod = self.coerce(&lod, &Ty::FLOAT)?;
+            return Ok(match image.depth {
+                // naga compares at the first level only.
+                true => SampleLevel::Zero,
+                false => SampleLevel::Exact(lod.expr),
+            });
+        }
+        if form.grad {
+            let (Some(x), Some(y)) = (arguments.take(), arguments.take()) else {
+                return self.refuse("the derivatives are missing");
+            };
+            let ty = Ty::of(Kind::Float, coordinates(image));
+            let (x, y) = (self.coerce(&x, &ty)?.expr, self.coerce(&y, &ty)?.expr);
+            return Ok(match image.depth {
+                true => SampleLevel::Zero,
+                false => SampleLevel::Gradient { x, y },
+            });
+        }
+        Ok(self.automatic_level())
+    }
+
+    /// The component that `textureGather` takes of each texel.
+    fn gathered(&mut self, arguments: &mut Arguments) -> R<naga::SwizzleComponent> {
+        use naga::Literal::I32;
+        use naga::SwizzleComponent as Component;
+        let component = arguments.take().map(|v| self.function.expressions[v.expr].clone());
+        match component {
+            None | Some(Expression::Literal(I32(0))) => Ok(Component::X),
+            Some(Expression::Literal(I32(1))) => Ok(Component::Y),
+            Some(Expression::Literal(I32(2))) => Ok(Component::Z),
+            Some(Expression::Literal(I32(3))) => Ok(Component::W),
+            Some(_) => self.refuse("the component that is gathered is no constant"),
+        }
     }
 
     /// Level by derivatives where there are some, else the first.

@@ -1,11 +1,68 @@
 //! Floats of fewer than 32 bits, which Rust has no types for: to bits and back.
 //!
-//! IEEE 754 binary16 and bfloat16 go through [`half`]; the two 8-bit formats are those of the
-//! OCP 8-bit floating point specification 1.0, §5.
+//! IEEE 754 binary16, bfloat16 and E5M2 differ in the widths of their fields only; E4M3 has no
+//! infinity. The two 8-bit formats are those of the OCP 8-bit floating point specification 1.0, §5.
 
 use std::cmp::Ordering;
 
 use crate::shape::{Scalar, ScalarKind};
+
+/// Widths of the exponent and of the mantissa of a float laid out as IEEE 754 lays it out.
+#[derive(Clone, Copy)]
+struct Fields {
+    exponent: u32,
+    mantissa: u32,
+}
+
+const BINARY16: Fields = Fields { exponent: 5, mantissa: 10 };
+const BFLOAT16: Fields = Fields { exponent: 8, mantissa: 7 };
+
+impl Fields {
+    fn bias(self) -> i32 {
+        (1 << (self.exponent - 1)) - 1
+    }
+
+    /// The bits of infinity: every bit of the exponent.
+    fn infinity(self) -> u64 {
+        ((1 << self.exponent) - 1) << self.mantissa
+    }
+
+    /// The bits of the float nearest to a number, ties to even; a NaN keeps its upper bits.
+    fn narrow(self, number: f64) -> u64 {
+        let bits = number.to_bits();
+        let sign = (bits >> 63) << (self.exponent + self.mantissa);
+        if number.is_nan() {
+            let payload = (bits & ((1 << 52) - 1)) >> (52 - self.mantissa);
+            return sign | self.infinity() | 1 << (self.mantissa - 1) | payload;
+        }
+        let exponent = ((bits >> 52 & 0x7ff) as i32 - 1023).max(1 - self.bias());
+        if exponent > self.bias() {
+            return sign | self.infinity();
+        }
+        let mantissa = self.mantissa as i32;
+        let steps = (number.abs() * 2f64.powi(mantissa - exponent)).round_ties_even() as u64;
+        // Normal numbers have the leading 1 that the exponent stands for; a carry goes into it.
+        let magnitude = ((exponent + self.bias() - 1) as u64) << self.mantissa;
+        sign | (magnitude + steps).min(self.infinity())
+    }
+
+    /// The number that bits stand for, exactly.
+    fn widen(self, bits: u64) -> f64 {
+        let sign = bits >> (self.exponent + self.mantissa) & 1;
+        let exponent = (bits & self.infinity()) >> self.mantissa;
+        let mantissa = bits & ((1 << self.mantissa) - 1);
+        let magnitude = match exponent << self.mantissa == self.infinity() {
+            true if mantissa == 0 => f64::INFINITY,
+            true => f64::from_bits(0x7ff8 << 48 | mantissa << (52 - self.mantissa)),
+            false => {
+                let leading = if exponent == 0 { 0 } else { 1 << self.mantissa };
+                let scale = exponent.max(1) as i32 - self.bias() - self.mantissa as i32;
+                (leading + mantissa) as f64 * 2f64.powi(scale)
+            }
+        };
+        f64::from_bits(magnitude.to_bits() | sign << 63)
+    }
+}
 
 /// E4M3: bias 7, no infinity, and only the mantissa of all ones is a NaN.
 const E4M3_MAX: u8 = 0x7e;
@@ -17,9 +74,9 @@ const E5M2_MAX: u8 = 0x7b;
 pub(crate) fn narrow(scalar: Scalar, number: f64) -> u64 {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => number.to_bits(),
-        (ScalarKind::Float, 2) => half::f16::from_f32_const(odd(number)).to_bits().into(),
+        (ScalarKind::Float, 2) => BINARY16.narrow(number),
         (ScalarKind::Float, _) => (number as f32).to_bits().into(),
-        (ScalarKind::Bfloat, _) => half::bf16::from_f32_const(odd(number)).to_bits().into(),
+        (ScalarKind::Bfloat, _) => BFLOAT16.narrow(number),
         (ScalarKind::FloatE5m2, _) => nearest(scalar, number, E5M2_MAX, 0x7c).into(),
         (ScalarKind::FloatE4m3, _) => nearest(scalar, number, E4M3_MAX, 0x7f).into(),
         (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => 0,
@@ -43,10 +100,10 @@ pub fn odd(number: f64) -> f32 {
 pub(crate) fn widen(scalar: Scalar, bits: u64) -> f64 {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => f64::from_bits(bits),
-        (ScalarKind::Float, 2) => half::f16::from_bits(bits as u16).to_f64(),
+        (ScalarKind::Float, 2) => BINARY16.widen(bits),
         (ScalarKind::Float, _) => f32::from_bits(bits as u32).into(),
-        (ScalarKind::Bfloat, _) => half::bf16::from_bits(bits as u16).to_f64(),
-        (ScalarKind::FloatE5m2, _) => half::f16::from_bits((bits as u16) << 8).to_f64(),
+        (ScalarKind::Bfloat, _) => BFLOAT16.widen(bits),
+        (ScalarKind::FloatE5m2, _) => BINARY16.widen(bits << 8),
         (ScalarKind::FloatE4m3, _) => {
             let sign = if bits & 0x80 == 0 { 1.0 } else { -1.0 };
             let (exponent, mantissa) = ((bits >> 3 & 15) as i32, (bits & 7) as f64);
@@ -145,6 +202,28 @@ mod tests {
         assert_eq!(narrow(BF16, 1.0 + 2f64.powi(-8) + above), 0x3f81);
         assert_eq!(narrow(BF16, 1.0 + 2f64.powi(-8) - above), 0x3f80);
         assert_eq!((odd(1e300), odd(f64::INFINITY)), (f32::MAX, f32::INFINITY));
+    }
+
+    #[test]
+    fn random_numbers_have_the_bits_that_half_gives_them() {
+        let mut random = fastrand::Rng::with_seed(3);
+        for _ in 0..200_000 {
+            // All exponents of a bfloat16 and a few beyond, with all bits of an f64.
+            let exponent = random.u64(1023 - 140..1023 + 140) << 52;
+            let number = f64::from_bits(random.u64(..) & (1 << 63 | ((1 << 52) - 1)) | exponent);
+            let short = odd(number);
+            assert_eq!(narrow(F16, number), u64::from(half::f16::from_f32_const(short).to_bits()));
+            assert_eq!(
+                narrow(BF16, number),
+                u64::from(half::bf16::from_f32_const(short).to_bits())
+            );
+        }
+        for bits in 0..=u16::MAX {
+            let ours = [widen(F16, bits.into()), widen(BF16, bits.into())];
+            let theirs =
+                [half::f16::from_bits(bits).to_f64(), half::bf16::from_bits(bits).to_f64()];
+            assert_eq!(ours.map(f64::to_bits), theirs.map(f64::to_bits), "{bits:#x}");
+        }
     }
 
     #[test]

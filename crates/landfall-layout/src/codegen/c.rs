@@ -70,6 +70,7 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     let mut names = Names::new(&options.prefix, shaders);
     let mut types = Types::default();
     let mut sections: Vec<table::Section> = Vec::new();
+    let mut earlier = table::Earlier::default();
     let mut leaves = Vec::new();
     let mut diagnostics = Vec::new();
     for shader in shaders {
@@ -79,7 +80,7 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
             match mirror {
                 Ok(mirror) => {
                     if let Some(section) =
-                        table::section(block, shader, &mirror, &sections, &mut names)
+                        table::section(block, shader, &mirror, &mut earlier, &mut names)
                     {
                         leaves.extend(mirror.c_leaves(block, &section, &types));
                         sections.push(section);

@@ -120,7 +120,7 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     let names = naming::name_all(&plan, options.tables);
     let out = print::Printer { plan: &plan, names: &names, options };
 
-    let mut text = header::header(&out, &inputs);
+    let mut text = header::header(&out, &inputs, shaders);
     mirror::mirrors(&out, &mut text);
     if options.tables == Tables::Beside {
         table::tables(&out, &mut text);

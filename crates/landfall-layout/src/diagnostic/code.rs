@@ -68,6 +68,7 @@ codes! {
     InvalidSize = "invalid-size";
     JsonSyntax = "json-syntax";
     LayoutQualifier = "layout-qualifier";
+    LineContinuation = "line-continuation";
     LockOrphan = "lock-orphan";
     LoneConstant = "lone-constant";
     LooseUniform = "loose-uniform";
@@ -91,6 +92,7 @@ codes! {
     NoBlocks = "no-blocks";
     NoBytes = "no-bytes";
     NoCMirror = "no-c-mirror";
+    NoIncludeDir = "no-include-dir";
     NoInput = "no-input";
     NoLights = "no-lights";
     NoOverload = "no-overload";
@@ -104,6 +106,7 @@ codes! {
     NotHostShareable = "not-host-shareable";
     NotMirrored = "not-mirrored";
     NotPortable = "not-portable";
+    NotUtf8 = "not-utf8";
     OddBool = "odd-bool";
     OddLength = "odd-length";
     OffsetGoesBack = "offset-goes-back";
@@ -111,6 +114,7 @@ codes! {
     OpaqueInBlock = "opaque-in-block";
     OpaqueMember = "opaque-member";
     OtherBlock = "other-block";
+    OtherLanguage = "other-language";
     OutOfBounds = "out-of-bounds";
     Output = "output";
     OverlappingMembers = "overlapping-members";
@@ -127,6 +131,7 @@ codes! {
     SuspiciousUnit = "suspicious-unit";
     SwappedCone = "swapped-cone";
     Syntax = "syntax";
+    TargetChangesLayout = "target-changes-layout";
     TooLarge = "too-large";
     TooManyElements = "too-many-elements";
     TooManyLights = "too-many-lights";
@@ -134,6 +139,7 @@ codes! {
     UnclosedBrace = "unclosed-brace";
     UnclosedComment = "unclosed-comment";
     UndefinedFunction = "undefined-function";
+    UndefinedMacro = "undefined-macro";
     UndefinedOperation = "undefined-operation";
     UnexpectedToken = "unexpected-token";
     UniformConstraints = "uniform-constraints";
@@ -146,8 +152,10 @@ codes! {
     UnknownLint = "unknown-lint";
     UnknownMember = "unknown-member";
     UnknownName = "unknown-name";
+    UnknownOverride = "unknown-override";
     UnknownQuantity = "unknown-quantity";
     UnknownTarget = "unknown-target";
+    UnknownTexture = "unknown-texture";
     UnknownType = "unknown-type";
     UnmatchedDirective = "unmatched-directive";
     UnreadableFile = "unreadable-file";

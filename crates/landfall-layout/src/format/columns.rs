@@ -1,6 +1,6 @@
 //! Rows of tables: words to the left, numbers to the right.
 //!
-//! Used by the tables of [`devices`](super::devices) and [`lights`](super::lights).
+//! Used by the tables of `landfall devices` and `landfall lights`.
 
 use unicode_width::UnicodeWidthStr as _;
 

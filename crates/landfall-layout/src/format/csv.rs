@@ -7,6 +7,7 @@ use crate::ShaderLayout;
 use crate::layout::measure::{element_size, fixed};
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::AddressSpace;
+use crate::text::escape::name;
 
 pub(super) const HEADER: &str = "shader,block,instance,address_space,rules,rules_declared,group,\
 binding,block_size,path,type,offset,size,dims,strides,matrix_stride,row_major,naga_offset\n";
@@ -40,7 +41,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
 
 /// What all rows of a block begin with.
 fn block_cells(shader: &ShaderLayout, block: &BlockLayout) -> String {
-    let mut text = quoted(shader.path.clone());
+    let mut text = quoted(name(&shader.path).into_owned());
     cell(&mut text, &block.name);
     optional(&mut text, block.instance.as_ref());
     cell(&mut text, block.space.name());

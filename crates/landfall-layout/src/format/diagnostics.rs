@@ -5,9 +5,10 @@ pub mod render;
 
 use super::paint::Paint;
 use super::place::Places;
-use crate::diagnostic::Code;
+use super::shown;
 use crate::diagnostic::{Diagnostic, Label};
 use crate::source::{Files, Location, Span};
+use crate::text::escape;
 use render::{Drawing, Pen};
 
 /// Findings of one shader that are shown to people; the rest are counted.
@@ -24,9 +25,9 @@ pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String 
     if diagnostics.len() > MOST_SHOWN {
         let more = diagnostics.len() - MOST_SHOWN;
         let path = files.get(0).map_or("the shader", |file| file.path.as_str());
-        text.push_str(&format!("… and {more} more in {path}\n\n"));
+        text.push_str(&format!("… and {more} more in {}\n\n", escape::name(path)));
     }
-    text
+    shown(text, paint)
 }
 
 fn drawing(diagnostic: &Diagnostic) -> Drawing<'_> {
@@ -53,7 +54,8 @@ pub fn json(diagnostics: &[Diagnostic], files: &Files) -> String {
     let mut text = String::new();
     for diagnostic in diagnostics {
         let object = Object::of(diagnostic, files, &mut places);
-        text.push_str(&serde_json::to_string(&object).expect("keys are strings"));
+        let line = serde_json::to_string(&object).expect("keys are strings");
+        text.push_str(&escape::json(&line));
         text.push('\n');
     }
     text
@@ -126,6 +128,7 @@ fn label_object<'a>(label: &'a Label, places: &mut Places<'_>) -> LabelObject<'a
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnostic::Code;
 
     fn files(texts: &[(&str, &str)]) -> Files {
         let mut files = Files::default();

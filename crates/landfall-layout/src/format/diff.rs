@@ -16,6 +16,7 @@ use crate::ShaderLayout;
 use crate::codegen::rust;
 use crate::diff::{BlockDiff, Change, Class};
 use crate::layout::BlockLayout;
+use crate::text::escape::{markdown_code, markdown_name, name};
 
 pub use beside::{Width, beside};
 
@@ -73,8 +74,8 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
         if !text.is_empty() {
             text.push('\n');
         }
-        let name = paint.text(STRONG, &format!("{}: {}", compared.name, diff.name));
-        let _ = writeln!(text, "{name}: {}", class(diff.class(), paint).trim_end());
+        let head = paint.text(STRONG, &format!("{}: {}", name(compared.name), diff.name));
+        let _ = writeln!(text, "{head}: {}", class(diff.class(), paint).trim_end());
         for change in &diff.changes {
             let _ = write!(text, "  {} {}", class(change.class, paint), change.message);
             match compared.field(diff, change) {
@@ -129,9 +130,9 @@ pub fn markdown(all: &[Compared<'_>]) -> String {
         for diff in compared.blocks {
             let _ = writeln!(
                 text,
-                "\n#### {} `{}`: {}\n\n| class | change | Rust |\n|---|---|---|",
-                cell(compared.name),
-                cell(&diff.name),
+                "\n#### {} {}: {}\n\n| class | change | Rust |\n|---|---|---|",
+                markdown_name(compared.name),
+                markdown_code(&diff.name),
                 diff.class().name(),
             );
             for change in &diff.changes {

@@ -8,7 +8,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 use super::place::Places;
 use super::{EmitOptions, SCHEMA_VERSION, expand, words};
 use crate::ShaderLayout;
-use crate::layout::{BlockLayout, Leaf, MemberLayout};
+use crate::layout::{BlockLayout, Leaf, MemberLayout, targets};
 use crate::shape::{AddressSpace, ArrayLen, Override, Type};
 use crate::source::{Language, Span};
 
@@ -46,6 +46,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         stage: shader.stage.map(|stage| stage.name()),
         includes: shader.files.iter().skip(1).map(|file| file.path.as_str()).collect(),
         overrides: shader.overrides.iter().map(OverrideObject::of).collect(),
+        assumed_target: shader.assumed_target.map(targets::key),
         blocks: blocks.collect(),
     };
     format!("  {}", to_lines(&object, 0))
@@ -60,6 +61,8 @@ struct Shader<'a> {
     includes: Vec<&'a str>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     overrides: Vec<OverrideObject<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_target: Option<&'static str>,
     blocks: Vec<Block<'a>>,
 }
 

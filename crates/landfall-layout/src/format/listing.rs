@@ -8,13 +8,17 @@ use super::{EmitOptions, words};
 use crate::ShaderLayout;
 use crate::layout::measure::{element_size, own_size, reach, structure};
 use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order};
-use crate::layout::{BlockLayout, MemberLayout};
+use crate::layout::{BlockLayout, MemberLayout, targets};
 use crate::shape::{AddressSpace, Rules, Struct, Type};
 use crate::source::Language;
+use crate::text::escape::name;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let paint = options.paint;
-    let mut text = paint.text(STRONG, &format!("// {}\n", shader.path));
+    let mut text = paint.text(STRONG, &format!("// {}\n", name(&shader.path)));
+    if let Some(note) = targets::note(shader) {
+        text.push_str(&paint.text(FAINT, &format!("// {note}\n")));
+    }
     for block in &shader.blocks {
         let mut listing = Listing { block, language: shader.language, lines: vec![] };
         for (s, member) in structures(block) {

@@ -3,12 +3,16 @@
 use super::{EmitOptions, expand, words};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
-use crate::layout::{BlockLayout, Leaf};
+use crate::layout::{BlockLayout, Leaf, targets};
 use crate::shape::{AddressSpace, Type};
 use crate::source::Language;
+use crate::text::escape::markdown_code as code;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let mut text = format!("# {}\n", code(&shader.path));
+    if let Some(note) = targets::note(shader) {
+        text.push_str(&format!("\nNote: {note}.\n"));
+    }
     if shader.blocks.is_empty() {
         text.push_str("\nNo blocks.\n");
     }
@@ -99,11 +103,6 @@ fn with_dims(leaf: &Leaf) -> String {
         text.push_str(part);
     }
     text
-}
-
-/// Code in backticks that stays in its cell.
-fn code(text: &str) -> String {
-    format!("`{}`", text.replace('|', "\\|"))
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use anstyle::{AnsiColor, Style};
 
+use crate::text::escape::Styles;
+
 /// Whether text carries ANSI colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Paint {
@@ -29,6 +31,14 @@ pub const CAUTION: Style = AnsiColor::Yellow.on_default();
 pub(super) const ADDED: Style = AnsiColor::Green.on_default();
 
 impl Paint {
+    /// Whether styles in a text are ours.
+    pub fn styles(self) -> Styles {
+        match self {
+            Paint::Plain => Styles::Shown,
+            Paint::Ansi => Styles::Kept,
+        }
+    }
+
     /// The text in that style.
     pub fn text(self, style: Style, text: &str) -> String {
         match self {

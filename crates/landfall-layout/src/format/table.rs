@@ -12,9 +12,10 @@ use super::{EmitOptions, expand, words};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
 use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order, tails};
-use crate::layout::{BlockLayout, Leaf, MemberLayout};
+use crate::layout::{BlockLayout, Leaf, MemberLayout, targets};
 use crate::shape::{AddressSpace, Rules, Type};
 use crate::source::Language;
+use crate::text::escape::name;
 
 const COLUMNS: usize = 7;
 const TITLES: [&str; COLUMNS] = ["offset", "size", "align", "stride", "matrix", "type", "name"];
@@ -22,11 +23,14 @@ const NAME: usize = COLUMNS - 1;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let paint = options.paint;
-    let mut text = paint.text(STRONG, &shader.path);
+    let mut text = paint.text(STRONG, &name(&shader.path));
     if let Some(stage) = shader.stage {
         text.push_str(&paint.text(FAINT, &format!(" ({})", stage.name())));
     }
     text.push('\n');
+    if let Some(note) = targets::note(shader) {
+        text.push_str(&paint.text(CAUTION, &format!("  {note}\n")));
+    }
     if shader.blocks.is_empty() {
         text.push_str(&paint.text(FAINT, "  no blocks\n"));
     }

@@ -10,6 +10,11 @@ pub fn bytes(n: u64) -> String {
     if n == 1 { "1 byte".to_string() } else { format!("{n} bytes") }
 }
 
+/// `1 block`, `13 blocks`.
+pub fn counted(n: usize, noun: &str) -> String {
+    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+}
+
 /// A count with its thousands apart: `6,160`.
 pub fn number(n: u64) -> String {
     let digits = n.to_string();

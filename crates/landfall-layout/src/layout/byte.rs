@@ -1,7 +1,7 @@
 //! Which component, or which padding, a byte of a block belongs to.
 //!
 //! Reads the [model](super) and [`padding`](super::padding), feeds
-//! [`emit`](crate::format).
+//! [`format`](mod@crate::format).
 
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 //! round-ups and strides from the start of the block.
 //!
 //! Reads the [model](super), [`rules`](super::rules) and [`path`](super::path),
-//! feeds [`emit`](crate::format).
+//! feeds [`format`](mod@crate::format).
 
 mod walk;
 

@@ -1,7 +1,7 @@
 //! The bytes of a block that hold nothing: holes between members, and tail
 //! padding of blocks, structures, array elements, columns and rows.
 //!
-//! Reads the [model](super), feeds [`emit`](crate::format) and [`byte`](super::byte).
+//! Reads the [model](super), feeds [`format`](mod@crate::format) and [`byte`](super::byte).
 
 use std::sync::Arc;
 

@@ -3,11 +3,21 @@
 //! Called by [`super::read`], so that whatever takes a lock's blocks may trust them as it trusts
 //! those of a shader.
 
-use super::read::{Place, Within};
+use super::place::Place;
 use crate::error::Error;
 use crate::layout::measure::reach;
 use crate::layout::{BlockLayout, MemberLayout, occupied};
 use crate::shape::{AddressSpace, ArrayLen, Type};
+use crate::source::Language;
+
+/// What is known of a block while its members are read.
+pub(super) struct Within<'n> {
+    pub language: Language,
+    /// Loose uniforms have names and types, and no numbers.
+    pub loose: bool,
+    /// The paths of its leaves, where the JSON lists them.
+    pub leaves: Option<&'n [&'n str]>,
+}
 
 /// Two blocks may share a name, but not an instance as well.
 pub(super) fn blocks(place: &Place<'_>, blocks: &[BlockLayout]) -> Result<(), Error> {

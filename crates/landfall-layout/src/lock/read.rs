@@ -4,19 +4,16 @@
 //! `blocks` reads the layout of one shader.
 
 mod blocks;
-mod place;
 
 use std::sync::Arc;
 
+use super::place::{Object, Place};
 use super::{Lock, SCHEMA_VERSION};
 use crate::error::Error;
 use crate::source::Files;
 use crate::text::json;
 use crate::text::json::{Node, Value};
-pub(super) use blocks::Within;
 use blocks::{Reader, Shape};
-use place::Object;
-pub(super) use place::Place;
 
 /// Reads a lock, or the layout of one shader as `layout --format json` prints it.
 ///
@@ -88,6 +85,16 @@ pub fn is_newer(text: &str) -> bool {
         }
         _ => false,
     })
+}
+
+/// Whether a text is a lock or the output of `layout --format json`, or was before it was cut off
+/// or git left its marks in it: nothing else may be removed or written over as one.
+pub fn is_lock(text: &str) -> bool {
+    const MOST: usize = 4096;
+    let start: String = text.chars().take(MOST).collect();
+    let has = |key: &str| start.contains(&format!("\"{key}\""));
+    let ours = has("language") && has("blocks") || has("tool") && has("landfall");
+    start.contains('{') && has("schema_version") && ours
 }
 
 /// The first line that git left in a file it could not merge.

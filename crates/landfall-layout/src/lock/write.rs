@@ -7,13 +7,13 @@ use std::fmt::Write as _;
 
 use super::{Lock, SCHEMA_VERSION, Verified};
 use crate::ShaderLayout;
-use crate::layout::{BlockLayout, MemberLayout};
+use crate::layout::{BlockLayout, MemberLayout, targets};
 use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::Language;
 
 /// The lock of a shader, with nothing verified.
 pub fn write(shader: &ShaderLayout) -> String {
-    document(&shader.blocks, shader.language, &[])
+    document(shader, &[])
 }
 
 /// The lock of a shader in the place of an older one: what was verified is kept while the layout
@@ -22,23 +22,24 @@ pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
     let text = write(shader);
     match old {
         Some(old) if !old.verified.is_empty() && old.bare() == text => {
-            document(&shader.blocks, shader.language, &old.verified)
+            document(shader, &old.verified)
         }
         Some(_) | None => text,
     }
 }
 
-pub(super) fn document(
-    blocks: &[BlockLayout],
-    language: Language,
-    verified: &[Verified],
-) -> String {
+pub(super) fn document(shader: &ShaderLayout, verified: &[Verified]) -> String {
+    let (blocks, language) = (&shader.blocks, shader.language);
     let mut out = Text { text: String::new(), language };
     let name = language.name();
     let _ = write!(
         out.text,
-        "{{\n  \"schema_version\": {SCHEMA_VERSION},\n  \"language\": \"{name}\",\n  \"blocks\": ["
+        "{{\n  \"schema_version\": {SCHEMA_VERSION},\n  \"language\": \"{name}\",\n"
     );
+    if let Some(target) = shader.assumed_target {
+        let _ = writeln!(out.text, "  \"assumed_target\": \"{}\",", targets::key(target));
+    }
+    out.text.push_str("  \"blocks\": [");
     for (i, block) in blocks.iter().enumerate() {
         out.text.push_str(if i == 0 { "\n" } else { ",\n" });
         out.block(block);

@@ -29,6 +29,10 @@ pub(super) struct Handles<'s, 'a> {
     globals: FxHashMap<&'a str, Variable<'a>>,
     /// Functions that take such structures: which parameters.
     functions: FxHashMap<&'a str, Vec<(usize, &'a str)>>,
+    /// Structures with more than handles in them.
+    data: FxHashSet<&'a str>,
+    /// A structure with more handles than are taken out.
+    too_many: Option<&'a str>,
 }
 
 /// A variable whose type has handles in it.
@@ -65,13 +69,20 @@ impl<'s, 'a> Handles<'s, 'a> {
             paths: FxHashMap::default(),
             globals: FxHashMap::default(),
             functions: FxHashMap::default(),
+            data: FxHashSet::default(),
+            too_many: None,
         };
+        let mut known = FxHashMap::default();
         for name in handles.structures.keys() {
-            let found = paths(shader, &handles.structures, name, 0);
-            if !found.is_empty() {
-                handles.paths.insert(name, found);
+            match paths(shader, &handles.structures, name, 0, &mut known) {
+                None => handles.too_many = handles.too_many.or(Some(name)),
+                Some(found) if found.is_empty() => {}
+                Some(found) => {
+                    handles.paths.insert(name, found);
+                }
             }
         }
+        handles.data = with_data(shader, &handles.structures);
         for variables in shader.variables().filter(|v| shader.has_word(v, "uniform")) {
             let Some(structure) = handles.type_name(variables.ty, variables.structure.as_ref())
             else {
@@ -111,8 +122,10 @@ impl<'s, 'a> Handles<'s, 'a> {
 
     /// Whether anything but handles is in a type.
     pub fn has_data(&self, ty: &str) -> bool {
-        let Some(structure) = self.structures.get(ty) else { return !is_opaque(ty) };
-        structure.members.iter().any(|m| self.has_data(self.shader.code[m.ty].text))
+        match self.structures.contains_key(ty) {
+            true => self.data.contains(ty),
+            false => !is_opaque(ty),
+        }
     }
 
     /// The handles of a global variable: each with the name of its own variable.
@@ -152,6 +165,11 @@ impl<'s, 'a> Handles<'s, 'a> {
             }
         }
         self.refuse_macros(problems);
+        if let Some(name) = self.too_many {
+            let at = self.structures[name].name.unwrap_or(0);
+            let message = format!("structure `{name}` has more than {MOST_HANDLES} handles in it");
+            problems.push(Diagnostic::error(Code::NotPortable, self.shader.span(at), message));
+        }
     }
 
     fn parameter(
@@ -343,20 +361,35 @@ impl<'s, 'a> Handles<'s, 'a> {
     }
 }
 
+/// Handles in one structure, those of its members among them; more are refused.
+const MOST_HANDLES: usize = 1024;
+
+/// The handles in a structure; `None` when there are more than [`MOST_HANDLES`].
 fn paths<'a>(
     shader: &Shader<'a>,
     structures: &FxHashMap<&'a str, &Structure>,
-    name: &str,
+    name: &'a str,
     depth: usize,
-) -> Vec<Path<'a>> {
+    known: &mut FxHashMap<&'a str, Option<Vec<Path<'a>>>>,
+) -> Option<Vec<Path<'a>>> {
+    if let Some(found) = known.get(name) {
+        return found.clone();
+    }
     let mut found = Vec::new();
-    let Some(structure) = structures.get(name).filter(|_| depth < 32) else { return found };
+    let Some(structure) = structures.get(name).filter(|_| depth < 32) else { return Some(found) };
     for member in &structure.members {
         let ty = shader.code[member.ty].text;
         let inner = if is_opaque(ty) {
             vec![Path { fields: Vec::new(), ty, dims: Vec::new() }]
         } else {
-            paths(shader, structures, ty, depth + 1)
+            let inner = paths(shader, structures, ty, depth + 1, known);
+            match inner.filter(|inner| inner.len() * member.declarators.len() <= MOST_HANDLES) {
+                Some(inner) => inner,
+                None => {
+                    known.insert(name, None);
+                    return None;
+                }
+            }
         };
         for declarator in &member.declarators {
             let own = declarator.dims.iter().chain(&member.type_dims);
@@ -366,6 +399,32 @@ fn paths<'a>(
                 fields.extend(&path.fields);
                 let dims = own.iter().chain(&path.dims).copied().collect();
                 found.push(Path { fields, ty: path.ty, dims });
+            }
+        }
+    }
+    let found = (found.len() <= MOST_HANDLES).then_some(found);
+    known.insert(name, found.clone());
+    found
+}
+
+/// The structures with anything but handles in them, at any depth.
+fn with_data<'a>(
+    shader: &Shader<'a>,
+    structures: &FxHashMap<&'a str, &Structure>,
+) -> FxHashSet<&'a str> {
+    let mut found = FxHashSet::default();
+    // Each structure is declared after those in it, so that one pass in their order does; the
+    // second is for texts that are no GLSL.
+    let mut order: Vec<(&'a str, &Structure)> = structures.iter().map(|(n, s)| (*n, *s)).collect();
+    order.sort_by_key(|(_, structure)| structure.tokens.start);
+    for _ in 0..2 {
+        for (name, structure) in &order {
+            let is_data = |ty: &'a str| match structures.contains_key(ty) {
+                true => found.contains(ty),
+                false => !is_opaque(ty),
+            };
+            if structure.members.iter().any(|m| is_data(shader.code[m.ty].text)) {
+                found.insert(*name);
             }
         }
     }

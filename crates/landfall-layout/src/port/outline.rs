@@ -1,13 +1,16 @@
 //! The global declarations of a shader as ranges of its tokens: what stands
 //! where, so that it can be edited. Types are not resolved.
-
-use std::ops::Range;
+//!
+//! Taken from the syntax tree of the text as it stands, macros not expanded.
 
 use rustc_hash::FxHashSet;
 
+use crate::syntax::glsl::ast;
+use crate::syntax::glsl::ast::Item;
+pub(super) use crate::syntax::glsl::ast::Tokens;
 use crate::syntax::glsl::lexer::Kind;
-use crate::syntax::glsl::qualifiers::is_qualifier;
-use crate::syntax::glsl::raw::RawText;
+use crate::syntax::glsl::parser::Parser;
+use crate::syntax::glsl::raw::{RawText, lexed};
 
 /// A token the compiler reads, outside directives.
 #[derive(Clone, Copy, Debug)]
@@ -19,9 +22,6 @@ pub(super) struct Token<'a> {
     /// One past the last byte.
     pub end: usize,
 }
-
-/// Indices of tokens.
-pub(super) type Tokens = Range<usize>;
 
 /// A global declaration. Ranges include its `;` or `}`.
 #[derive(Clone, Debug)]
@@ -114,241 +114,158 @@ pub(super) fn code<'a>(text: &'a str, raw: &RawText) -> Vec<Token<'a>> {
 }
 
 /// The global declarations in order. `macros` are names that stand for qualifiers.
-pub(super) fn declarations(code: &[Token<'_>], macros: &FxHashSet<&str>) -> Vec<Declaration> {
-    let mut reader = Reader { code, macros, at: 0 };
+pub(super) fn declarations<'a>(
+    text: &'a str,
+    code: &[Token<'a>],
+    macros: FxHashSet<&'a str>,
+) -> Vec<Declaration> {
+    let tokens = lexed(text, code.iter().map(|token| (token.kind, token.start, token.end)));
+    let mut parser = Parser::over(tokens).with_qualifier_macros(macros);
+    let mut outline = Outline { code, parser: &mut parser };
     let mut all = Vec::new();
-    while reader.at < code.len() {
-        let start = reader.at;
-        if reader.is(";") {
-            reader.at += 1;
+    loop {
+        let start = outline.parser.position();
+        let Some(item) = outline.parser.item() else { return all };
+        let end = outline.parser.position();
+        if matches!(&item, Item::Other(_)) && end == start + 1 && code[start].text == ";" {
             continue;
         }
-        let read = reader.declaration();
-        all.push(read.unwrap_or_else(|| {
-            reader.at = start;
-            reader.skip();
-            Declaration::Other(start..reader.at)
-        }));
-        reader.at = reader.at.max(start + 1);
+        let understood = outline.parser.diagnostics().is_empty();
+        outline.parser.forget_diagnostics();
+        let read = if understood { outline.declaration(item, start..end) } else { None };
+        all.push(read.unwrap_or(Declaration::Other(start..end)));
     }
-    all
 }
 
-struct Reader<'c, 'a> {
+struct Outline<'c, 'a> {
     code: &'c [Token<'a>],
-    macros: &'c FxHashSet<&'c str>,
-    at: usize,
+    parser: &'c mut Parser<'a>,
 }
 
-impl Reader<'_, '_> {
-    fn is(&self, text: &str) -> bool {
-        self.code.get(self.at).is_some_and(|token| token.text == text)
-    }
-
-    fn name(&mut self) -> Option<usize> {
-        let found = self.code.get(self.at).is_some_and(|token| token.kind == Kind::Name);
-        self.at += usize::from(found);
-        found.then(|| self.at - 1)
-    }
-
-    fn eat(&mut self, text: &str) -> Option<usize> {
-        let found = self.is(text);
-        self.at += usize::from(found);
-        found.then(|| self.at - 1)
-    }
-
-    /// What stands between a bracket here and its partner; both are passed.
-    fn balanced(&mut self) -> Option<Tokens> {
-        let start = self.at;
-        let mut depth = 0usize;
-        while let Some(token) = self.code.get(self.at) {
-            match token.text {
-                "(" | "[" | "{" => depth += 1,
-                ")" | "]" | "}" => depth = depth.checked_sub(1)?,
-                _ => {}
+impl<'a> Outline<'_, 'a> {
+    fn declaration(&mut self, item: Item<'a>, tokens: Tokens) -> Option<Declaration> {
+        Some(match item {
+            Item::Variables(declaration) => self.variables_or_structure(&declaration)?,
+            Item::Block(block) => Declaration::Block(self.block(&block)?),
+            Item::Interface(mut block) => {
+                self.parser.complete_interface(&mut block).ok()?;
+                Declaration::Block(self.block(&block)?)
             }
-            self.at += 1;
-            if depth == 0 {
-                return Some(start + 1..self.at - 1);
+            Item::Function(function) => {
+                let parameters = self.parser.parameters_of(&function).ok()?;
+                Declaration::Function(Function {
+                    tokens,
+                    name: function.name.at,
+                    parameters: parameters.iter().map(parameter).collect(),
+                    body: function.body_tokens.clone(),
+                })
             }
-        }
-        None
+            Item::Defaults(_) => Declaration::Defaults,
+            Item::Precision(_) => Declaration::Precision,
+            Item::Requalified(..) | Item::Other(_) => return None,
+        })
     }
 
-    /// Passes what is not understood: up to `;` or the end of a body.
-    fn skip(&mut self) {
-        while self.at < self.code.len() {
-            if self.eat(";").is_some() {
-                return;
-            }
-            if self.is("{") {
-                self.balanced();
-                self.eat(";");
-                return;
-            }
-            self.at += 1;
+    fn variables_or_structure(&self, declaration: &ast::Declaration<'a>) -> Option<Declaration> {
+        let structure = match &declaration.ty.base {
+            ast::TypeBase::Struct(structure) => Some(self.structure(structure)?),
+            ast::TypeBase::Name(_) => None,
+        };
+        if !declaration.names.is_empty() {
+            return Some(Declaration::Variables(self.variables(declaration, structure)));
         }
-    }
-
-    fn qualifies(&self, word: &str) -> bool {
-        is_qualifier(word) || self.macros.contains(word)
-    }
-
-    fn qualifiers(&mut self) -> Option<Qualifiers> {
-        let mut qualifiers = Qualifiers::default();
-        loop {
-            if self.eat("layout").is_some() {
-                qualifiers.layouts.push(self.balanced()?);
-            } else if self.code.get(self.at).is_some_and(|t| self.qualifies(t.text)) {
-                qualifiers.words.push(self.at);
-                self.at += 1;
-            } else {
-                return Some(qualifiers);
-            }
-        }
-    }
-
-    fn declaration(&mut self) -> Option<Declaration> {
-        let start = self.at;
-        if self.is("precision") {
-            self.skip();
-            return Some(Declaration::Precision);
-        }
-        let qualifiers = self.qualifiers()?;
-        if self.eat(";").is_some() {
-            return Some(Declaration::Defaults);
-        }
-        if self.is("struct") {
-            let mut structure = self.structure()?;
-            if qualifiers.words.is_empty() && self.eat(";").is_some() {
-                structure.tokens = start..self.at;
-                return Some(Declaration::Structure(structure));
-            }
-            let ty = structure.body.start;
-            return self.variables(start, qualifiers, ty, Some(structure));
-        }
-        let ty = self.name()?;
-        if self.is("{") {
-            return self.block(start, qualifiers, ty);
-        }
-        if self.is(";") || self.is(",") {
-            self.skip();
-            return Some(Declaration::Other(start..self.at));
-        }
-        let after = self.at;
-        self.dims()?;
-        let name = self.name()?;
-        if self.is("(") {
-            return self.function(start, name);
-        }
-        self.at = after;
-        self.variables(start, qualifiers, ty, None)
-    }
-
-    fn structure(&mut self) -> Option<Structure> {
-        let start = self.eat("struct")?;
-        let name = self.name();
-        let members = self.members()?;
-        Some(Structure { tokens: start..self.at, name, members, body: start..self.at })
-    }
-
-    fn members(&mut self) -> Option<Vec<Variables>> {
-        self.eat("{")?;
-        let mut members = Vec::new();
-        while self.eat("}").is_none() {
-            let start = self.at;
-            let qualifiers = self.qualifiers()?;
-            let ty = self.name()?;
-            match self.variables(start, qualifiers, ty, None)? {
-                Declaration::Variables(variables) => members.push(variables),
-                _ => return None,
-            }
-        }
-        Some(members)
-    }
-
-    fn block(&mut self, start: usize, qualifiers: Qualifiers, name: usize) -> Option<Declaration> {
-        let members = self.members()?;
-        self.name();
-        self.dims()?;
-        self.eat(";")?;
-        let tokens = start..self.at;
-        Some(Declaration::Block(Block { tokens, qualifiers, name, members }))
-    }
-
-    fn dims(&mut self) -> Option<Vec<Tokens>> {
-        let mut dims = Vec::new();
-        while self.is("[") {
-            dims.push(self.balanced()?);
-        }
-        Some(dims)
+        let structure = structure?;
+        let words = self.qualifiers(&declaration.qualifiers).words;
+        let tokens = declaration.tokens.clone();
+        words.is_empty().then_some(Declaration::Structure(Structure { tokens, ..structure }))
     }
 
     fn variables(
-        &mut self,
-        start: usize,
-        qualifiers: Qualifiers,
-        ty: usize,
+        &self,
+        declaration: &ast::Declaration<'a>,
         structure: Option<Structure>,
-    ) -> Option<Declaration> {
-        let type_dims = self.dims()?;
-        let mut declarators = Vec::new();
-        loop {
-            let name = self.name()?;
-            let dims = self.dims()?;
-            let mut initialiser = None;
-            if let Some(equals) = self.eat("=") {
-                while !self.is(",") && !self.is(";") {
-                    match self.code.get(self.at)?.text {
-                        "(" | "[" | "{" => {
-                            self.balanced()?;
-                        }
-                        _ => self.at += 1,
-                    }
-                }
-                initialiser = Some(equals..self.at);
+    ) -> Variables {
+        let declarators = declaration.names.iter().map(|declarator| {
+            let value = &declarator.tokens;
+            Declarator {
+                name: declarator.name.at,
+                dims: dims(&declarator.dims),
+                initialiser: (!value.is_empty()).then(|| value.start - 1..value.end),
             }
-            declarators.push(Declarator { name, dims, initialiser });
-            if self.eat(",").is_none() {
-                break;
-            }
-        }
-        self.eat(";")?;
-        let tokens = start..self.at;
-        Some(Declaration::Variables(Variables {
-            tokens,
-            qualifiers,
-            ty,
+        });
+        Variables {
+            tokens: declaration.tokens.clone(),
+            qualifiers: self.qualifiers(&declaration.qualifiers),
+            ty: declaration.ty.at,
             structure,
-            type_dims,
-            declarators,
-        }))
+            type_dims: dims(&declaration.ty.dims),
+            declarators: declarators.collect(),
+        }
     }
 
-    fn function(&mut self, start: usize, name: usize) -> Option<Declaration> {
-        let list = self.balanced()?;
-        let after = self.at;
-        let mut parameters = Vec::new();
-        self.at = list.start;
-        while self.at < list.end && !(self.is("void") && list.len() == 1) {
-            let first = self.at;
-            self.qualifiers()?;
-            let ty = self.name()?;
-            let mut dims = self.dims()?;
-            let name = self.name();
-            dims.extend(self.dims()?);
-            parameters.push(Parameter { tokens: first..self.at, ty, name, dims });
-            if self.at < list.end {
-                self.eat(",")?;
+    fn structure(&self, structure: &ast::StructDecl<'a>) -> Option<Structure> {
+        Some(Structure {
+            tokens: structure.tokens.clone(),
+            name: (!structure.name.text.is_empty()).then_some(structure.name.at),
+            members: self.members(&structure.members)?,
+            body: structure.tokens.clone(),
+        })
+    }
+
+    fn block(&self, block: &ast::BlockDecl<'a>) -> Option<Block> {
+        Some(Block {
+            tokens: block.tokens.clone(),
+            qualifiers: self.qualifiers(&block.qualifiers),
+            name: block.name.at,
+            members: self.members(&block.members)?,
+        })
+    }
+
+    fn members(&self, members: &[ast::Declaration<'a>]) -> Option<Vec<Variables>> {
+        let member = |member: &ast::Declaration<'a>| {
+            let named = matches!(member.ty.base, ast::TypeBase::Name(_));
+            named.then(|| self.variables(member, None))
+        };
+        members.iter().map(member).collect()
+    }
+
+    fn qualifiers(&self, qualifiers: &ast::Qualifiers<'a>) -> Qualifiers {
+        let mut found = Qualifiers::default();
+        let mut depth = 0;
+        for at in qualifiers.tokens.clone() {
+            match self.code[at].text {
+                "(" => {
+                    depth += 1;
+                    if depth == 1 {
+                        found.layouts.push(at + 1..at + 1);
+                    }
+                }
+                ")" => {
+                    depth -= 1;
+                    if let (0, Some(layout)) = (depth, found.layouts.last_mut()) {
+                        layout.end = at;
+                    }
+                }
+                "layout" => {}
+                _ if depth == 0 => found.words.push(at),
+                _ => {}
             }
         }
-        self.at = after;
-        let mut body = None;
-        if self.is("{") {
-            body = Some(self.balanced()?);
-        } else {
-            self.eat(";")?;
-        }
-        Some(Declaration::Function(Function { tokens: start..self.at, name, parameters, body }))
+        found
+    }
+}
+
+fn dims(dims: &[ast::Dim<'_>]) -> Vec<Tokens> {
+    dims.iter().map(|dim| dim.tokens.clone()).collect()
+}
+
+fn parameter(parameter: &ast::Parameter<'_>) -> Parameter {
+    let mut all = dims(&parameter.ty.dims);
+    all.extend(dims(&parameter.dims));
+    Parameter {
+        tokens: parameter.tokens.clone(),
+        ty: parameter.ty.at,
+        name: (!parameter.name.text.is_empty()).then_some(parameter.name.at),
+        dims: all,
     }
 }

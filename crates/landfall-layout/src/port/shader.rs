@@ -29,7 +29,7 @@ pub(super) struct Shader<'a> {
 impl<'a> Shader<'a> {
     pub fn new(text: &'a str, raw: RawText) -> Shader<'a> {
         let code = code(text, &raw);
-        let declarations = declarations(&code, &qualifier_macros(text, &raw));
+        let declarations = declarations(text, &code, qualifier_macros(text, &raw));
         let words = raw.tokens.iter().filter(|token| token.kind == Kind::Name);
         let names = words.map(|token| text[token.start..token.end].to_string()).collect();
         Shader { text, raw, code, declarations, names: RefCell::new(names) }

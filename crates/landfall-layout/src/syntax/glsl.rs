@@ -1,22 +1,28 @@
 //! GLSL as people have it: desktop 1.10 to 4.60, ES 1.00 to 3.20, Vulkan flavour.
 //!
-//! [`lexer`] makes tokens of a file, [`preprocess`] (with [`directive`],
-//! [`include`], [`macros`]) makes one stream of a shader, [`declarations`]
-//! (with [`qualifiers`], [`members`], [`blocks`], [`constants`]) reads what has
-//! a layout from it. Function bodies are passed over.
+//! `lexer` makes tokens of a file, `preprocess` (with `directive`,
+//! `include`, `macros`) makes one stream of a shader, `parser` makes a
+//! syntax tree (`ast`) of that, and `declarations` (with `members`,
+//! `blocks`, `constants`) takes what has a layout from the tree.
+//! `evaluate` computes constant expressions. Function bodies are passed over,
+//! or parsed on demand.
 
+pub mod ast;
 mod blocks;
 mod constants;
 mod declarations;
 mod directive;
-mod expression;
+pub mod evaluate;
 mod include;
+mod layout_ids;
 pub mod lexer;
 mod macros;
 mod members;
+pub mod parser;
 mod preprocess;
 pub mod qualifiers;
 pub mod raw;
+mod splice;
 mod target;
 pub mod types;
 
@@ -26,28 +32,64 @@ use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, Majorness, OffsetOrder, R
 use crate::source::{ReadOptions, Source, Span};
 use crate::syntax::Parsed;
 use declarations::Reader;
+use parser::{Bodies, Parser};
 use preprocess::Preprocessor;
 pub use preprocess::Texts;
+use target::Decision;
 
 /// Errors after which a text is read no further: what was read before them is not to be trusted.
-const FATAL: &[Code] = &[Code::CyclicInclude, Code::MacroBomb, Code::IncludeBomb];
+const FATAL: &[Code] =
+    &[Code::CyclicInclude, Code::MacroBomb, Code::IncludeBomb, Code::OtherLanguage];
 
 /// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     let texts = Texts::new();
-    let preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
-    let mut reader = Reader::new(preprocessor);
-    let empty = reader.token.kind == lexer::Kind::End;
-    reader.read();
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    preprocessor.note_foreign(0, source.foreign);
+    let mut reader = Reader::new(Parser::new(preprocessor, Bodies::Skip));
+    let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
+    reader.read(|parser, _| parser.forget());
+    shape(&mut reader, source, gather, empty)
+}
 
+/// A shader's syntax tree and the shape of its blocks.
+pub struct Shader<'a> {
+    /// Its declarations; expressions and bodies are parsed by [`Parser::complete`].
+    pub items: Vec<ast::Item<'a>>,
+    /// The parser, with all tokens, bodies included and macros expanded.
+    pub parser: Parser<'a>,
+    /// The blocks and what was found on the way.
+    pub parsed: Parsed,
+}
+
+/// Parses a GLSL shader, its function bodies kept to be parsed on demand; `texts` keeps what its
+/// tokens point into.
+pub fn parse<'a>(
+    source: &Source,
+    options: &'a ReadOptions,
+    texts: &'a Texts,
+    gather: bool,
+) -> Shader<'a> {
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
+    preprocessor.note_foreign(0, source.foreign);
+    let mut reader = Reader::new(Parser::new(preprocessor, Bodies::Keep));
+    let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
+    let mut items = Vec::new();
+    reader.read(|_, item| items.push(item));
+    let parsed = shape(&mut reader, source, gather, empty);
+    Shader { items, parser: reader.parser, parsed }
+}
+
+/// What a reader that is done has found.
+fn shape(reader: &mut Reader<'_>, source: &Source, gather: bool, empty: bool) -> Parsed {
     let mut blocks = std::mem::take(&mut reader.blocks);
-    if let Some(default) = default_block(&mut reader, gather) {
+    if let Some(default) = default_block(reader, gather) {
         blocks.push(default);
     }
     let used = reader.constants.used.iter();
     let overrides = reader.constants.overrides.iter().zip(used);
     let overrides = overrides.filter(|(_, used)| **used).map(|(o, _)| o.clone()).collect();
-    let mut preprocessor = reader.preprocessor;
+    let preprocessor = reader.parser.preprocessor();
     let mut diagnostics = std::mem::take(&mut preprocessor.diagnostics);
     if empty && diagnostics.is_empty() && source.text.trim().is_empty() {
         diagnostics.push(Diagnostic::error(Code::EmptyFile, Span::default(), "the file is empty"));
@@ -62,50 +104,20 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
         });
         blocks.clear();
     }
+    let assumed = match preprocessor.asked_for_vulkan.get() {
+        true => match preprocessor.decision() {
+            Decision::Assumed(target) => Some(target),
+            Decision::Known(_) | Decision::Either => None,
+        },
+        false => None,
+    };
     Parsed {
         shape: Shape { blocks, overrides },
-        files: preprocessor.files,
+        assumed,
+        standard_uniforms: false,
+        files: std::mem::take(&mut preprocessor.files),
         diagnostics,
-        bodies: preprocessor.bodies,
-    }
-}
-
-/// Every token of a shader, bodies included, macros expanded; the last one is the end.
-pub struct Stream<'a> {
-    /// The preprocessed tokens.
-    pub tokens: Vec<lexer::Token<'a>>,
-    /// The files they come from.
-    pub files: crate::source::Files,
-    /// Errors and warnings of lexer and preprocessor.
-    pub diagnostics: Vec<Diagnostic>,
-    /// Whether it is written for OpenGL ES.
-    pub es: bool,
-}
-
-/// Longer shaders are not run: a text of so many tokens was made to exhaust memory.
-const MOST_TOKENS: usize = 1 << 20;
-
-/// Reads all tokens of a shader; `texts` keeps what they point into.
-pub fn tokens<'a>(source: &Source, options: &'a ReadOptions, texts: &'a Texts) -> Stream<'a> {
-    let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
-    let mut tokens = Vec::with_capacity(source.text.len() / 4);
-    loop {
-        let token = preprocessor.next();
-        tokens.push(token);
-        if token.kind == lexer::Kind::End {
-            break;
-        }
-        if tokens.len() == MOST_TOKENS {
-            let message = format!("the shader has more than {MOST_TOKENS} tokens");
-            preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
-            preprocessor.stopped = true;
-        }
-    }
-    Stream {
-        tokens,
-        es: preprocessor.version.es,
-        files: preprocessor.files,
-        diagnostics: preprocessor.diagnostics,
+        bodies: std::mem::take(&mut preprocessor.bodies),
     }
 }
 
@@ -121,9 +133,8 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
                 let message =
                     format!("`{}` cannot be gathered: its size is not written", member.name);
                 let diagnostic = Diagnostic::error(Code::ArraySize, member.span, message);
-                reader.preprocessor.report(
-                    diagnostic.with_help("write the number of elements between the brackets"),
-                );
+                let help = "write the number of elements between the brackets";
+                reader.report(diagnostic.with_help(help));
             }
             sized
         });

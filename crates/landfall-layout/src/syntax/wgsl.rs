@@ -32,11 +32,13 @@ mod structs;
 mod types;
 mod variables;
 
+use crate::diagnostic::Code;
 use outline::Class;
 use reader::Reader;
 use report::Reports;
 
 use super::Parsed;
+use crate::Diagnostic;
 use crate::shape::Shape;
 use crate::source::{Files, ReadOptions, Source, Span};
 
@@ -44,6 +46,13 @@ use crate::source::{Files, ReadOptions, Source, Span};
 pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let mut files = Files::default();
     files.add(source.path.clone(), source.text.clone());
+    if let Some(foreign) = source.foreign {
+        let span = Span { file: 0, start: foreign.first, end: foreign.first };
+        let message = "WGSL is UTF-8, and a byte here is not";
+        let found = Diagnostic::error(Code::NotUtf8, span, message);
+        let diagnostics = vec![found.with_help("save the file as UTF-8")];
+        return Parsed { files, diagnostics, ..Parsed::default() };
+    }
     let text: &str = &source.text;
     let mut reports = Reports::default();
     let outline = outline::read(text, &mut reports);
@@ -60,10 +69,12 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     }
     let shape = Shape { blocks, overrides: reader.overrides };
     let diagnostics = reader.reports.finish();
-    Parsed { shape, files, diagnostics, bodies: outline.bodies }
+    let standard_uniforms = outline.standard_uniforms;
+    Parsed { shape, files, diagnostics, bodies: outline.bodies, assumed: None, standard_uniforms }
 }
 
 /// The functions of a text, attributes included.
+#[cfg(feature = "naga")]
 pub(crate) fn functions(text: &str) -> Vec<Span> {
     let outline = outline::read(text, &mut Reports::default());
     let functions = outline.items.iter().filter(|item| item.class == Class::Fn);

@@ -1,6 +1,6 @@
 //! JSON with the place of every value, so that what is wrong in a lock can be pointed at.
 //!
-//! Feeds [`super::read`] and the reader of [scenes](landfall_light::scene). Unlike a library's,
+//! Feeds [`lock`](crate::lock) and the reader of scenes in `landfall_light`. Unlike a library's,
 //! this reader tells a text that ends too early from one that is no JSON, and keeps where each
 //! value stands.
 

@@ -4,7 +4,7 @@
 //! A [`Workload`] is a variant on a reader; [`measure`] runs them in turns by a [`clock`] and
 //! gives [`Spread`]s; [`Errors`] hold what it gives against the truth, [`Permitted`] says what any
 //! device may give, [`Work`] what it does; [`rank`] says who is better. All of it is a [`Bench`],
-//! printed by [`emit::bench`](landfall::report::bench) and drawn by [`plot`](super::plot).
+//! printed by the report of `landfall bench` and drawn by [`plot`](super::plot).
 
 pub mod called;
 pub mod clock;

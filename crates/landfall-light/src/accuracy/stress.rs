@@ -2,7 +2,7 @@
 //!
 //! [`Pure`] makes the function callable; `generate` makes inputs,
 //! `sample` runs them in `f32` and `f64`, `classify` names what they meet, `find` makes
-//! findings of it. [`emit::stress`](landfall::report::stress) prints the [`Report`].
+//! findings of it. the report of `landfall stress` prints the [`Report`].
 
 mod blame;
 mod case;

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{Gates, Lights, Model, Surface, Tally, robust, seed, surface};
 use crate::Upload;
-use crate::skip::{Grid, Plan, interpolate};
+use crate::plan::{Grid, Plan, interpolate};
 
 /// The arithmetic lights are evaluated in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

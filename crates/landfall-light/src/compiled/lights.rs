@@ -4,8 +4,8 @@
 use glam::{DVec3, Vec3};
 
 use super::{ConeTerm, Model};
+use crate::plan::LightSet;
 use crate::scene::{Attenuation, PointLight, SpotLight};
-use crate::skip::LightSet;
 use crate::{Upload, scene};
 
 /// The lights a fragment loops over.

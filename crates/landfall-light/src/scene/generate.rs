@@ -1,12 +1,11 @@
 //! Scenes by seed: lamps and cubes strewn over a floor, the same everywhere.
 //!
-//! Numbers come from SplitMix64: the state grows by `0x9e3779b97f4a7c15`, and a copy of it is
-//! mixed by `x ^= x >> 30; x *= 0xbf58476d1ce4e5b9; x ^= x >> 27; x *= 0x94d049bb133111eb;
-//! x ^= x >> 31`. A number from 0 to 1 is its upper 53 bits over 2^53. Lamps, then cubes, are
-//! made one after another, each drawing in the order of the code below. No sine is taken, so
+//! Numbers come from [`SplitMix64`]. Lamps, then cubes, are made one after another, each drawing in the order of the code below. No sine is taken, so
 //! that no platform's library has a say.
 
 use glam::{DMat4, DVec3, DVec4, dvec3, dvec4};
+
+use crate::splitmix64::SplitMix64;
 
 use super::{Attenuation, Emission, Object, PointLight, mesh};
 
@@ -72,8 +71,8 @@ pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
 }
 
 fn lamp(random: &mut SplitMix64, from: &Generate, lights: &RandomLights) -> PointLight {
-    let (x, z) = random.place(from.area);
-    let y = random.between(lights.height);
+    let (x, z) = place(random, from.area);
+    let y = between(random, lights.height);
     let color = dvec3(random.unit(), random.unit(), random.unit());
     let count = lights.attenuations.len() as u64;
     let row = random.next().checked_rem(count).map(|row| row as usize);
@@ -95,8 +94,8 @@ fn lamp(random: &mut SplitMix64, from: &Generate, lights: &RandomLights) -> Poin
 }
 
 fn standing(random: &mut SplitMix64, from: &Generate, cubes: &RandomCubes) -> Object {
-    let (x, z) = random.place(from.area);
-    let edge = random.between(cubes.edge);
+    let (x, z) = place(random, from.area);
+    let edge = between(random, cubes.edge);
     // The tangent of half the angle, from -1 to 1, gives a quarter turn either way.
     let half = 2.0 * random.unit() - 1.0;
     let (cos, sin) = ((1.0 - half * half) / (1.0 + half * half), 2.0 * half / (1.0 + half * half));
@@ -124,46 +123,18 @@ impl Attenuation {
     }
 }
 
-struct SplitMix64(u64);
+fn between(random: &mut SplitMix64, [low, high]: [f64; 2]) -> f64 {
+    low + (high - low) * random.unit()
+}
 
-impl SplitMix64 {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    /// From 0 to just below 1.
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, [low, high]: [f64; 2]) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// A place on the floor: x, then z.
-    fn place(&mut self, [x, z]: [f64; 2]) -> (f64, f64) {
-        ((self.unit() - 0.5) * x, (self.unit() - 0.5) * z)
-    }
+/// A place on the floor: x, then z.
+fn place(random: &mut SplitMix64, [x, z]: [f64; 2]) -> (f64, f64) {
+    ((random.unit() - 0.5) * x, (random.unit() - 0.5) * z)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// The first numbers of the generator's author for seed 1234567.
-    #[test]
-    fn the_numbers_are_those_of_splitmix64() {
-        let mut random = SplitMix64(1_234_567);
-        let first: Vec<u64> = (0..3).map(|_| random.next()).collect();
-        assert_eq!(
-            first,
-            [6_457_827_717_110_365_317, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423]
-        );
-    }
 
     #[test]
     fn a_lamp_reaches_to_where_it_has_sunk() {

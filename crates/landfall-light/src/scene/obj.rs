@@ -263,7 +263,7 @@ fn numbers<const N: usize>(
     let mut numbers = [0.0; N];
     for (number, word) in numbers.iter_mut().zip(rest) {
         *number = match word.text.parse::<f64>() {
-            Ok(number) if number.abs() <= super::read::LARGEST => number,
+            Ok(number) if number.abs() <= super::LARGEST => number,
             Ok(_) => {
                 let message = format!("`{}` is no finite length up to 1e18", short(word.text));
                 return Err(word.fault(message));

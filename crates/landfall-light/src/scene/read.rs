@@ -9,10 +9,7 @@ mod materials;
 mod objects;
 mod walk;
 
-use landfall_ir::analysis::hazard::threshold;
 use landfall_layout::diagnostic::Code;
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -22,7 +19,7 @@ use serde_json::{Map, Value};
 use super::{Camera, Lights, Scene, Space};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::error::Error;
-use landfall_layout::file::reason;
+use landfall_layout::file::read_whole;
 use landfall_layout::source::{Files, Span, decode};
 use landfall_layout::text::json;
 pub use landfall_layout::text::json::Fault;
@@ -30,9 +27,6 @@ use walk::{At, Object, Walk};
 
 /// Most pixels of a picture.
 pub const MOST_PIXELS: u64 = 1 << 24;
-
-/// Largest coordinate or length: the square of what is larger has no `f32`.
-pub(super) const LARGEST: f64 = threshold::COORDINATE.value;
 
 /// Most bytes of a file that a scene names.
 const MOST_BYTES: u64 = 1 << 28;
@@ -322,17 +316,12 @@ fn stem(path: &str) -> String {
 
 /// The bytes of a file, if it is not enormous.
 fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    let shown = path.display().to_string();
-    let cannot =
-        |cause| Error::new(&shown, format!("cannot be read: {}", reason(&cause))).unreadable();
-    let file = File::open(path).map_err(cannot)?;
-    let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        let message = format!("is over {} MiB long, which no part of a scene is", MOST_BYTES >> 20);
-        return Err(Error::new(&shown, message).unreadable());
+    if !path.metadata().is_ok_and(|found| found.len() > MOST_BYTES) {
+        return read_whole(path, MOST_BYTES);
     }
-    Ok(bytes)
+    let shown = path.display().to_string();
+    let message = format!("is over {} MiB long, which no part of a scene is", MOST_BYTES >> 20);
+    Err(Error::new(&shown, message).unreadable())
 }
 
 /// What is no JSON, at its place.

@@ -1,6 +1,6 @@
 //! What the parts of a plan cost, to tell whether dividing a frame saves more than it costs.
 
-use super::plan::Plan;
+use crate::plan::Plan;
 
 /// Nanoseconds each thing takes where the plan is made and executed.
 #[derive(Clone, Copy, Debug, PartialEq)]

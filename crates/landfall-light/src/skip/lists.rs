@@ -4,23 +4,7 @@ use super::bound::{Bounded, Kind};
 use super::options::Division;
 use super::region::Divided;
 use crate::Frame;
-
-/// Which point lights each tile of a frame has.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct TileLists {
-    /// Pixels along a tile's side.
-    pub size: u32,
-    /// Tiles in a row: tile `row * columns + column` holds the pixels from
-    /// `(column * size, row * size)`, rows counted from the top.
-    pub columns: u32,
-    /// Rows of tiles.
-    pub rows: u32,
-    /// Of each tile, the first of its entries in `indices`, and how many they are.
-    pub tiles: Vec<[u32; 2]>,
-    /// Numbers of point lights, ascending in each tile. Never empty: no shader language knows
-    /// an empty buffer.
-    pub indices: Vec<u32>,
-}
+use crate::plan::TileLists;
 
 pub(super) fn tile_lists(
     frame: &Frame,

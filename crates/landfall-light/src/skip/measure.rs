@@ -4,10 +4,10 @@
 use glam::Vec3;
 
 use super::STEP;
-use super::plan::{Claim, Measured, Plan, Step};
 use crate::compiled::{
     Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
 };
+use crate::plan::{Claim, Measured, Plan, Step};
 use crate::{Frame, Upload};
 
 /// Light evaluations spent on measuring at most; a frame that takes more is measured at every

@@ -10,12 +10,11 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::bound::{Bounded, Shape};
-use super::interpolation::places;
 use super::options::Interpolate;
-use super::plan::{Draw, Grid, Plan};
 use super::region::{Points, Region};
 use super::{Job, set};
 use crate::Fragment;
+use crate::plan::{Draw, Grid, Plan, places};
 use crate::scene::Surface;
 
 /// The plan with grids, the lights held against patches, and the fragments sorted into them.

@@ -4,9 +4,8 @@ use glam::DVec3;
 
 use super::bound::{Bounded, Kind};
 use super::options::Options;
-use super::plan::{Claim, Plan, Savings, Step};
-use super::settings::Compiled;
 use crate::compiled::Model;
+use crate::plan::{Claim, Compiled, Plan, Savings, Step};
 use crate::scene::Emission;
 use crate::{Frame, Upload};
 

@@ -2,9 +2,11 @@
 
 use super::compare::{Difference, Named, View, differences};
 use super::{LINT, first, with_differences};
+use crate::definition::Subject;
+use crate::glob;
+use crate::settings::Settings;
 use crate::settings::{MirrorCopy, MirrorGroup};
 use crate::show::{is_called, listing, place};
-use crate::{Settings, Subject, glob};
 use landfall_layout::finding::Finding;
 pub use landfall_layout::layout::path::{Segment, segments};
 use landfall_layout::layout::{BlockLayout, MemberLayout};

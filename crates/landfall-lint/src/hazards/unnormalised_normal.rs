@@ -9,9 +9,9 @@ pub(crate) const LINT: Lint = Lint {
     level: Level::Warn,
     what: "an interpolated normal in `reflect` or `dot` that was not normalised",
     why: "Between two vertices whose normals differ the interpolated one is shorter than \
-          1. With `reflect` the error is raised to the shininess: vertex normals 20 \
-          degrees apart leave 0.375 of the peak of a highlight to the power of 32, 40 \
-          degrees 0.02; a normal 10 % too long makes it 700 times too bright.",
+          1. With `reflect` the error is raised to the shininess: where light and camera are at a \
+          right angle, vertex normals 20 degrees apart leave 0.38 of the peak of a highlight to \
+          the power of 32, 40 degrees 0.02; a normal 10 % too long makes it 446 times too bright.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };

@@ -6,6 +6,7 @@ pub(super) mod summary;
 
 use super::{counted, severity, short};
 use landfall_layout::finding::{Finding, Level};
+use landfall_layout::text::escape::is_bidi;
 
 /// Annotations of each type GitHub shows of one step.
 const MOST_SHOWN: usize = 10;
@@ -75,7 +76,7 @@ fn notice(more: &[&Finding]) -> String {
 fn data(text: &str) -> String {
     let text = text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
     // Logs show colours.
-    text.replace(|c: char| c.is_control() && c != '\t', "\u{fffd}")
+    text.replace(|c: char| c.is_control() && c != '\t' || is_bidi(c), "\u{fffd}")
 }
 
 /// A property of a command, escaped as the runner reads it.

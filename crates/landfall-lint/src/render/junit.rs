@@ -5,6 +5,7 @@
 
 use super::{severity, short, stable};
 use landfall_layout::finding::{Finding, Level};
+use landfall_layout::text::escape::xml;
 
 pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
     let numbers = stable::numbers(findings);
@@ -30,7 +31,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
     for (path, cases) in suites {
         let of_suite: Vec<&Finding> = cases.iter().map(|(finding, _)| *finding).collect();
         let attributes = Counts::of(&of_suite).attributes();
-        text.push_str(&format!("  <testsuite name=\"{}\"{attributes}>\n", escaped(path)));
+        text.push_str(&format!("  <testsuite name=\"{}\"{attributes}>\n", xml(path)));
         text.extend(cases.iter().map(|(finding, number)| case(finding, *number)));
         text.push_str("  </testsuite>\n");
     }
@@ -61,23 +62,23 @@ fn case(finding: &Finding, number: u32) -> String {
     if number > 1 {
         name.push_str(&format!(" ({number})"));
     }
-    let path = escaped(&finding.place.path);
+    let path = xml(&finding.place.path);
     let line = match finding.place.line {
         0 => String::new(),
         line => format!(" line=\"{line}\""),
     };
-    let message = escaped(&finding.message);
+    let message = xml(&finding.message);
     let outcome = match finding.level {
         Level::Deny => format!(
             "<failure type=\"{}\" message=\"{message}\">{}</failure>",
-            escaped(&finding.code),
-            escaped(&details(finding))
+            xml(&finding.code),
+            xml(&details(finding))
         ),
         Level::Allow | Level::Warn => {
             format!("<skipped message=\"{}: {message}\"/>", severity(finding.level))
         }
     };
-    let name = escaped(name.trim_end());
+    let name = xml(name.trim_end());
     format!(
         "    <testcase classname=\"{path}\" name=\"{name}\" file=\"{path}\"{line}>\n      {outcome}\n    </testcase>\n"
     )
@@ -94,22 +95,4 @@ fn details(finding: &Finding) -> String {
     lines.extend(finding.listing.iter().map(|listing| listing.trim_end().to_string()));
     lines.extend(finding.help.iter().map(|help| format!("help: {help}")));
     lines.join("\n")
-}
-
-/// Text for an attribute or between tags, of characters XML 1.0 has (its production 2).
-fn escaped(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => result.push_str("&amp;"),
-            '<' => result.push_str("&lt;"),
-            '>' => result.push_str("&gt;"),
-            '"' => result.push_str("&quot;"),
-            // A reader turns them into spaces in an attribute, and \r into \n anywhere.
-            '\t' | '\n' | '\r' => result.push_str(&format!("&#{};", u32::from(c))),
-            '\0'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => result.push('\u{fffd}'),
-            c => result.push(c),
-        }
-    }
-    result
 }

@@ -7,7 +7,8 @@ mod uri;
 use serde_json::{Map, Value, json};
 
 use super::{severity, stable};
-use crate::{LINTS, Lint};
+use crate::definition::Lint;
+use crate::registry::LINTS;
 use landfall_layout::finding::{Edit, Finding, Level, Place};
 pub use landfall_layout::format::json::to_lines;
 

@@ -2,7 +2,7 @@
 
 use super::severity;
 use landfall_layout::finding::{Finding, Place};
-pub use landfall_layout::format::visible::in_one_line;
+pub use landfall_layout::text::escape::in_one_line;
 
 pub(super) fn report(findings: &[&Finding]) -> String {
     findings.iter().map(|finding| line(finding) + "\n").collect()

@@ -1,7 +1,8 @@
 //! The blocks, or structures in them, that a mirror is a copy of.
 
+use crate::definition::Subject;
+use crate::glob;
 use crate::settings::RustMirror;
-use crate::{Subject, glob};
 pub use landfall_layout::layout::measure::{element_size, fixed};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::Type;

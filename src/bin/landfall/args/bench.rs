@@ -84,7 +84,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "N", default_value = "1", requires = "function")]
     pub seed: u64,
     /// Draw time against error: an SVG, whole or not at all
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
     pub plot: Option<PathBuf>,
     /// Form of the output
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
@@ -104,6 +104,13 @@ pub enum BenchFormat {
     Json,
     /// A line a variant
     Csv,
+}
+
+/// A file for the plot.
+fn svg(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let known = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"));
+    if known { Ok(path) } else { Err("a plot is .svg".to_string()) }
 }
 
 /// Calls of a run: some, and no more than memory holds.

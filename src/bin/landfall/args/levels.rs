@@ -5,10 +5,11 @@ use landfall_layout::finding::Level;
 
 use super::define;
 
-/// Levels from flags, in their order; and macros, for `-D NAME` defines one here too.
+/// Levels from flags, in their order; and macros.
 ///
-/// The code of every lint has a hyphen and no macro's name has one, so `-D` can tell them apart;
-/// only a macro named `warnings` or `all` has to be written with `--define`.
+/// `-D CODE` sets a level, and a code that no lint has is refused: no macro comes of a misspelt
+/// one. What has a `=` is no code but a macro, as for the other commands; one without a value is
+/// written with `--define`.
 #[derive(Clone, Debug, Default)]
 pub struct LevelArgs {
     pub levels: Vec<(String, Level)>,
@@ -27,12 +28,10 @@ fn code(text: &str) -> Result<Given, String> {
 }
 
 fn code_or_macro(text: &str) -> Result<Given, String> {
-    let is_code = !text.contains('=') && text.contains('-');
-    if is_code || text == "warnings" || text == "all" {
-        return code(text);
+    match text.contains('=') {
+        true => only_macro(text),
+        false => code(text),
     }
-    let said = define(text).map_err(|said| format!("{said}; a lint's code has a hyphen"))?;
-    Ok(Given::Macro(said.0, said.1))
 }
 
 fn only_macro(text: &str) -> Result<Given, String> {
@@ -53,9 +52,9 @@ impl clap::Args for LevelArgs {
             )
             .arg(arg("warn", "Report it and succeed all the same").short('W').value_parser(code))
             .arg(
-                arg("deny", "Report it and fail; a NAME without hyphen defines a macro")
+                arg("deny", "Report it and fail; NAME=TEXT defines a macro")
                     .short('D')
-                    .value_name("CODE|NAME[=TEXT]")
+                    .value_name("CODE|NAME=TEXT")
                     .value_parser(code_or_macro),
             )
             .arg(
@@ -124,10 +123,11 @@ mod tests {
     }
 
     #[test]
-    fn a_name_without_hyphen_is_a_macro() {
+    fn what_has_a_value_is_a_macro_and_what_has_none_a_code() {
         let args = parsed(&["-DSHADOWS=2", "-D", "layout-drift", "--define", "all", "-DN"]);
-        assert_eq!(args.levels, [("layout-drift".to_string(), Level::Deny)]);
+        let denied = |code: &str| (code.to_string(), Level::Deny);
+        assert_eq!(args.levels, [denied("layout-drift"), denied("N")]);
         let names: Vec<&str> = args.defines.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!(names, ["SHADOWS", "all", "N"]);
+        assert_eq!(names, ["SHADOWS", "all"]);
     }
 }

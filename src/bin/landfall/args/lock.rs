@@ -21,6 +21,9 @@ pub struct LockArgs {
     /// Remove locks whose shaders are gone
     #[arg(long)]
     pub prune: bool,
+    /// Write over files that have the name of a lock and are none
+    #[arg(long)]
+    pub force: bool,
     /// Files laid out at a time [default: one a core]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,

@@ -43,6 +43,9 @@ pub struct TextArgs {
     /// Language, where the file's name does not say
     #[arg(long, value_name = "LANGUAGE")]
     pub language: Option<Text>,
+    /// Refuse shaders and includes of more bytes [default: 67108864, 64 MiB]
+    #[arg(long, value_name = "N")]
+    pub max_bytes: Option<u64>,
     /// The name stdin goes by: for messages, the language, the stage and includes
     #[arg(long, value_name = "PATH")]
     pub stdin_filename: Option<PathBuf>,

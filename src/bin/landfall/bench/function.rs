@@ -19,7 +19,7 @@ use super::{About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, r
 use crate::args::{BenchArgs, ReaderName};
 use crate::output::{Failure, FindingStyle, Streams};
 use crate::run::textures;
-use crate::{data, read, readers};
+use crate::{data, read, readers, write};
 
 /// The name of the function the bench is of.
 const FIRST: &str = "as it is";
@@ -130,6 +130,7 @@ pub fn bench(
         truth: whose,
         unit: Unit::Call,
         size: Size { fragments: calls.count() as u64, lights: 0 },
+        files: made.iter().map(|one| write::files_of(&one.source, &options)).collect(),
     };
     Ok(Some(measured(about, entries, args, streams)))
 }

@@ -25,8 +25,8 @@ use super::{
 };
 use crate::args::{BenchArgs, ReaderName};
 use crate::output::{Failure, FindingStyle, Streams};
-use crate::readers;
 use crate::render::asked::{Asked, Wanted, asked, model, said};
+use crate::{read, readers, write};
 
 /// What a variant is.
 enum What {
@@ -121,7 +121,10 @@ pub fn bench(
         truth.push_str(&format!(", {name} by the model {model}"));
     }
     let size = Size { fragments: taken as u64, lights: stage.lights() };
-    let about = About { subject, truth, unit: Unit::Fragment, size };
+    let options = read::options(&args.read);
+    let mut files = own.files_read();
+    files.extend(sources.all().map(|source| write::files_of(source, &options)));
+    let about = About { subject, truth, unit: Unit::Fragment, size, files };
     let uploaded = variants.iter().zip(&renderers).zip(&stages).map(|(((_, what), r), stage)| {
         let renderer = r.as_ref()?;
         Some(match what {

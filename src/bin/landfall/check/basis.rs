@@ -6,10 +6,13 @@
 use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::Level;
+use landfall_layout::other_language;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
 use landfall_lint::settings::RustFile;
-use landfall_lint::{Settings, digest, naga_disagrees, run};
+use landfall_lint::{Settings, levels, naga_disagrees};
 use serde::{Deserialize, Serialize};
+
+use super::hash::Hash;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
@@ -25,6 +28,8 @@ pub struct Basis {
     defines: Vec<(String, String)>,
     include_dirs: Vec<String>,
     overrides: Vec<(String, String)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    max_bytes: Option<u64>,
     target: Option<String>,
     rules: Option<String>,
     gather: bool,
@@ -32,7 +37,7 @@ pub struct Basis {
     language: Option<String>,
     pub settings: Settings,
     /// Rust files with mirrors, and the hashes of their texts.
-    rust_files: Vec<(String, u64)>,
+    rust_files: Vec<(String, Hash)>,
 }
 
 /// What is checked, and where.
@@ -55,7 +60,7 @@ impl Basis {
         let dirs = options.read.include_dirs.iter();
         let rust_files = settings.rust_files.iter();
         let rust_files =
-            rust_files.map(|file| (file.path.clone(), digest::fnv(file.text.as_bytes()))).collect();
+            rust_files.map(|file| (file.path.clone(), Hash::of(file.text.as_bytes()))).collect();
         Basis {
             version: env!("CARGO_PKG_VERSION").to_string(),
             root: scope.root,
@@ -65,6 +70,7 @@ impl Basis {
             defines: options.read.defines.clone(),
             include_dirs: dirs.map(|dir| dir.display().to_string()).collect(),
             overrides: options.read.overrides.clone(),
+            max_bytes: options.read.max_bytes,
             target: options.read.target.map(|target| match target {
                 Target::OpenGl => "opengl".to_string(),
                 Target::Vulkan => "vulkan".to_string(),
@@ -90,7 +96,7 @@ impl Basis {
     pub fn read_rust_files(&mut self) -> Result<(), Error> {
         for (path, hash) in &self.rust_files {
             let text = crate::read::text(Path::new(path))?;
-            if digest::fnv(text.as_bytes()) != *hash {
+            if Hash::of(text.as_bytes()) != *hash {
                 return Err(Error::new(path, "is not the file that was checked")
                     .with_help("merge in a checkout of the commit that the shards checked"));
             }
@@ -101,7 +107,7 @@ impl Basis {
 
     /// Whether anybody asks about mirrors in Rust files.
     pub fn wants_rust(settings: &Settings) -> bool {
-        let asked = |code| run::level(code, settings) > Level::Allow;
+        let asked = |code| levels::level(code, settings) > Level::Allow;
         asked("rust-mirror") || asked("rust-mirror-unknown")
     }
 
@@ -117,6 +123,7 @@ impl Basis {
                 defines: self.defines.clone(),
                 include_dirs: self.include_dirs.iter().map(PathBuf::from).collect(),
                 overrides: self.overrides.clone(),
+                max_bytes: self.max_bytes,
                 target: self.target.as_deref().map(|name| match name {
                     "vulkan" => Target::Vulkan,
                     _ => Target::OpenGl,
@@ -128,14 +135,22 @@ impl Basis {
         }
     }
 
+    /// Bytes of the largest file that is read, where somebody says so.
+    pub fn max_bytes(&self) -> Option<u64> {
+        self.max_bytes
+    }
+
     /// The directories searched for includes.
     pub fn include_dirs(&self) -> impl Iterator<Item = &Path> {
         self.include_dirs.iter().map(Path::new)
     }
 
     /// A shader from its text.
-    pub fn source(&self, path: &str, text: &str) -> Source {
-        let mut source = Source::new(path, text);
+    pub fn source(&self, path: &str, bytes: Vec<u8>) -> Result<Source, Error> {
+        if self.language.is_none() {
+            other_language::refuse(Path::new(path))?;
+        }
+        let mut source = Source::from_bytes(path, bytes)?;
         match self.language.as_deref() {
             Some("wgsl") => source.language = Language::Wgsl,
             Some(_) => source.language = Language::Glsl,
@@ -145,13 +160,13 @@ impl Basis {
             Language::Glsl => self.stage.as_deref().and_then(Stage::from_name).or(source.stage),
             Language::Wgsl => None,
         };
-        source
+        Ok(source)
     }
 
-    /// A number that is another when anything is that findings of one shader depend on.
-    pub fn fingerprint(&self) -> u64 {
+    /// A hash that is another when anything is that findings of one shader depend on.
+    pub fn fingerprint(&self) -> Hash {
         // What else is checked changes nothing about one shader.
         let alone = Basis { searched: vec![], whole: false, rust_files: vec![], ..self.clone() };
-        digest::fnv(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
+        Hash::of(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
     }
 }

@@ -10,13 +10,13 @@ use std::sync::Arc;
 
 use landfall::report::unified::diff;
 use landfall_layout::Error;
-use landfall_layout::file::write_whole;
 use landfall_layout::finding::Finding;
 use landfall_layout::format::Paint;
+use landfall_layout::format::words::counted;
 use landfall_lint::fix::{Fixed, apply};
 
 use super::pass::{Pass, Run};
-use super::reports::{Texts, counted};
+use super::reports::Texts;
 use super::tree::{self, Remembered};
 use crate::output::{Failure, Streams};
 
@@ -50,7 +50,7 @@ pub fn fix(
         let fixed = changed(apply(&findings, &|path| texts.of(path)));
         let mut written: Vec<&Fixed> = Vec::new();
         for file in &fixed {
-            match write(file) {
+            match write(file, run) {
                 Ok(()) => written.push(file),
                 Err(error) => {
                     refused.insert(file.path.clone());
@@ -64,7 +64,7 @@ pub fn fix(
         let failures = pass.failures();
         pass = run.pass(pass.into_known(), &HashMap::new(), false, streams)?;
         if pass.failures() > failures {
-            take_back(&written, &mut mended, &mut refused);
+            take_back(&written, run, &mut mended, &mut refused);
             pass = run.pass(pass.into_known(), &HashMap::new(), false, streams)?;
             continue;
         }
@@ -75,12 +75,17 @@ pub fn fix(
 }
 
 /// Edits after which a shader no longer lays out are none of ours to leave there.
-fn take_back(written: &[&Fixed], mended: &mut Mended, refused: &mut HashSet<String>) {
+fn take_back(
+    written: &[&Fixed],
+    run: &Run<'_>,
+    mended: &mut Mended,
+    refused: &mut HashSet<String>,
+) {
     for file in written {
         let back =
             Fixed { new: file.old.to_string(), old: Arc::from(&*file.new), ..(*file).clone() };
         refused.insert(file.path.clone());
-        mended.refused.push(match write(&back) {
+        mended.refused.push(match write(&back, run) {
             Ok(()) => {
                 Error::new(&*file.path, "would not lay out any more: its edits were taken back")
                     .with_help("please report it with the file")
@@ -145,7 +150,7 @@ fn changed(mut fixed: Vec<Fixed>) -> Vec<Fixed> {
 }
 
 /// Writes a mended file whole, if it still is what was mended.
-fn write(file: &Fixed) -> Result<(), Error> {
+fn write(file: &Fixed, run: &Run<'_>) -> Result<(), Error> {
     let path = Path::new(&file.path);
     let failed = |cause: std::io::Error| {
         let reason = landfall_layout::file::reason(&cause);
@@ -165,5 +170,7 @@ fn write(file: &Fixed) -> Result<(), Error> {
         return Err(Error::new(&*file.path, "cannot be mended: it was changed meanwhile")
             .with_help("run it again"));
     }
-    write_whole(path, format!("{mark}{}", file.new))
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let text = format!("{mark}{}", file.new);
+    run.root.writer(folder.unwrap_or(Path::new("."))).write(path, text).map(|_| ())
 }

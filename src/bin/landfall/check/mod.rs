@@ -5,8 +5,10 @@
 
 mod basis;
 mod cache;
+mod hash;
+mod key;
 mod mend;
-mod one;
+pub mod one;
 mod pass;
 pub mod reports;
 mod rust;
@@ -17,9 +19,12 @@ mod verified;
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
+use landfall_layout::file::FileWriter;
+use landfall_layout::format::words::counted;
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error};
+use landfall_layout::{Diagnostic, Error, Severity, lock};
 
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
@@ -28,6 +33,7 @@ use crate::read;
 use basis::{Basis, Scope};
 use cache::Cache;
 use landfall_lint::render::ReportFormat;
+use one::Checked;
 use pass::{Pass, Run};
 
 /// Said once instead of a finding a shader.
@@ -72,14 +78,25 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         shard: args.shard,
         jobs: args.jobs,
         stdin,
+        locks: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
+        excluded: AtomicUsize::new(0),
     };
     let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
-    let mut cache = folder.map(|folder| Cache::open(folder, &basis)).unwrap_or_default();
-    let before = cache.tree.as_ref().map(|tree| tree.key);
+    let opened = folder.and_then(|folder| {
+        let writer = config.writer(folder, args.cache_dir.is_some());
+        let key = key::key().inspect_err(|error| not_remembered(error, streams)).ok()?;
+        Some(Cache::open(folder, &basis, key, writer))
+    });
+    let has_cache = opened.is_some();
+    let mut cache = opened.unwrap_or_default();
+    let before = cache.tree.as_ref().map(|tree| tree.key.clone());
     let known = std::mem::take(&mut cache.known);
     // Locks are written once everything is mended.
     let accept = args.accept && !args.fix;
     let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
+    if let Some(outcome) = left_out(args, &run, &pass, streams) {
+        return Ok(outcome);
+    }
     if args.diff {
         return diff(&run, pass, &mut cache, streams);
     }
@@ -104,10 +121,11 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
             tree::findings(&mut pass, &basis, &config.root, &mut cache.tree, &seen)
         }
     };
-    let is_new = pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key) != before;
-    if folder.is_some() && is_new {
+    let is_new =
+        pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key.clone()) != before;
+    if has_cache && is_new {
         if let Err(error) = cache.write(&pass) {
-            streams.notes(&format!("nothing is remembered: {error}\n"));
+            not_remembered(&error, streams);
         }
     }
     let texts = reports::Texts::new(run.stdin.clone());
@@ -118,9 +136,10 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         texts: &texts,
         shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
     };
-    let outcome = reports::write(&result, &args.formats, args.statistics, streams)?;
+    let inputs = inputs(args, &config, &run, &pass);
+    let outcome = reports::write(&result, &args.formats, args.statistics, inputs, streams)?;
     if folder.is_some() {
-        let all = reports::counted(pass.checked.len(), "shader");
+        let all = counted(pass.checked.len(), "shader");
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
     }
     if args.fix {
@@ -130,9 +149,47 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
+/// What a run comes to whose shaders were all left out, where that is no accident.
+fn left_out(args: &CheckArgs, run: &Run<'_>, pass: &Pass, streams: &Streams) -> Option<Outcome> {
+    let excluded = run.excluded.load(Ordering::Relaxed);
+    let none = pass.checked.is_empty() && pass.no_input.is_empty();
+    if args.shard.is_some() || !none || excluded == 0 {
+        return None;
+    }
+    let found = config::all_excluded(excluded, &args.exclude);
+    // Who names files, as hooks do, names some that the configuration leaves out.
+    let is_meant = !args.paths.is_empty() && args.exclude.is_empty();
+    let severity = if is_meant { Severity::Warning } else { Severity::Error };
+    let found = Diagnostic { severity, ..found };
+    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    (!is_meant).then_some(Outcome::CouldNot)
+}
+
+fn not_remembered(error: &Error, streams: &Streams) {
+    streams.notes(&format!("nothing is remembered: {error}\n"));
+}
+
+/// A writer that leaves all that the check read alone.
+fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> FileWriter {
+    if args.formats.iter().all(|report| report.file.is_none()) {
+        return FileWriter::default();
+    }
+    let shaders = pass.checked.iter().flat_map(Checked::files);
+    let rust = run.basis.settings.rust_files.iter().map(|file| &file.path);
+    let mut writer = FileWriter::new(shaders.chain(rust));
+    writer.protect(&args.verified);
+    writer.protect(config.file.as_deref());
+    let lock = |c: &Checked| {
+        let locks = run.basis.locks.as_ref()?;
+        Some(lock::path_of(Path::new(locks), Path::new(&run.root.below(Path::new(&c.path))?)))
+    };
+    writer.protect(pass.checked.iter().filter_map(lock));
+    writer
+}
+
 fn tell_of_locks(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
     if pass.accepted > 0 {
-        streams.notes(&format!("accepted {}\n", reports::counted(pass.accepted, "layout")));
+        streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
     }
     if basis.locks.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);
@@ -201,7 +258,7 @@ fn diff(
     let failed: Vec<_> =
         tree::alone(&pass).into_iter().filter(|f| landfall_lint::lint(&f.code).is_none()).collect();
     let files = mend::preview(run, pass, &mut cache.tree, streams)?;
-    streams.product(&mend::patch(&files))?;
+    streams.source(&mend::patch(&files))?;
     streams.finish()?;
     if failures > 0 {
         let texts = reports::Texts::new(run.stdin.clone());
@@ -213,6 +270,6 @@ fn diff(
         streams.report(&landfall_lint::render::report(&failed, ReportFormat::Human, &options));
         return Ok(Outcome::CouldNot);
     }
-    streams.notes(&format!("{} would be mended\n", reports::counted(files.len(), "file")));
+    streams.notes(&format!("{} would be mended\n", counted(files.len(), "file")));
     Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
 }

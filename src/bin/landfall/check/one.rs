@@ -13,12 +13,14 @@ use landfall_layout::source;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
 use landfall_lint::allow::{Allow, allows, suppress};
-use landfall_lint::digest::{BlockDigest, digest, fnv};
-use landfall_lint::{Subject, run};
+use landfall_lint::digest::{BlockDigest, digest};
+use landfall_lint::{Subject, levels, run};
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
+use super::hash::Hash;
 use crate::config::Root;
+use crate::given;
 use crate::inputs::Input;
 use crate::work::Weighed;
 
@@ -31,16 +33,19 @@ pub struct Checked {
     /// The path as messages print it.
     pub path: String,
     /// The hash of its bytes.
-    pub hash: u64,
+    pub hash: Hash,
     /// Its includes with the hashes of their bytes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub includes: Vec<(String, u64)>,
+    pub includes: Vec<(String, Hash)>,
     /// Files that would be included instead if they were there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub absent: Vec<String>,
     /// The hash of its lock's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lock: Option<u64>,
+    pub lock: Option<Hash>,
+    /// The values of `-O` that it has constants for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constants: Vec<String>,
     /// Whether no lint could be asked.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub failed: bool,
@@ -51,6 +56,13 @@ pub struct Checked {
     pub blocks: Vec<BlockDigest>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub allows: Vec<Allow>,
+}
+
+impl Checked {
+    /// The shader and its includes.
+    pub fn files(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.path).chain(self.includes.iter().map(|(path, _)| path))
+    }
 }
 
 /// What is the same for all shaders of a pass.
@@ -66,7 +78,7 @@ pub struct Job<'a> {
     /// Whether locks are to be written where layouts have drifted.
     pub accept: bool,
     /// Hashes of files that several shaders include.
-    pub hashes: Mutex<HashMap<String, Option<u64>>>,
+    pub hashes: Mutex<HashMap<String, Option<Hash>>>,
 }
 
 /// What became of one input.
@@ -123,29 +135,35 @@ impl Job<'_> {
         let shown = self.shown(&path);
         let bytes = match self.texts.get(&shown) {
             Some(text) => Ok(text.clone().into_bytes()),
-            None => read(&path, &shown),
+            None => source::read_bytes(&path, self.basis.max_bytes()),
         };
         let bytes = match bytes {
             Ok(bytes) => bytes,
-            Err(error) => return Done::Fresh(Box::new(failed(&shown, 0, error.into()))),
+            Err(error) => {
+                return Done::Fresh(Box::new(failed(&shown, Hash::default(), error.into())));
+            }
         };
-        let hash = fnv(&bytes);
+        let hash = Hash::of(&bytes);
         let lock = self.lock(&shown);
         if let Some(known) = self.known.get(&shown) {
             if known.hash == hash && self.is_same(known, lock.as_ref()) {
+                given::saw_names(&known.constants);
                 return Done::Same(shown);
             }
         }
-        let text = match source::decode(&shown, bytes) {
-            Ok(text) => text,
+        let source = match self.basis.source(&shown, bytes) {
+            Ok(source) => source,
             Err(error) => return Done::Fresh(Box::new(failed(&shown, hash, error.into()))),
         };
-        let source = self.basis.source(&shown, &text);
         let work = || self.look(source, hash, lock);
         Done::Fresh(Box::new(catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
             let error = Error::new(&*shown, "made landfall panic: this is its fault")
                 .with_help("please report it with the file; the other files are not affected");
-            failed(&shown, 0, Diagnostic { code: Code::InternalError, ..error.into() })
+            failed(
+                &shown,
+                Hash::default(),
+                Diagnostic { code: Code::InternalError, ..error.into() },
+            )
         })))
     }
 
@@ -158,12 +176,18 @@ impl Job<'_> {
     /// The lock of a shader, where locks count.
     fn lock(&self, shown: &str) -> Option<LockFile> {
         let locks = self.basis.locks.as_ref()?;
-        let quiet = |code| run::level(code, &self.basis.settings) == Level::Allow;
+        let quiet = |code| levels::level(code, &self.basis.settings) == Level::Allow;
         if quiet("layout-drift") && quiet("lock-missing") {
             return None;
         }
         let below = self.root.below(Path::new(shown))?;
         let path = lock::path_of(Path::new(locks), Path::new(&below));
+        // A pipe would be waited for.
+        let is_other = |found: fs::Metadata| !found.is_file() && !found.is_dir();
+        if fs::metadata(&path).is_ok_and(is_other) {
+            let bytes = Err(Error::new(path.display().to_string(), "is no file"));
+            return Some(LockFile { path, bytes });
+        }
         let bytes = match fs::read(&path) {
             Ok(bytes) => Ok(Some(bytes)),
             Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
@@ -179,34 +203,37 @@ impl Job<'_> {
     fn is_same(&self, known: &Checked, lock: Option<&LockFile>) -> bool {
         let lock = match lock.map(|lock| &lock.bytes) {
             None => None,
-            Some(Ok(bytes)) => bytes.as_deref().map(fnv),
+            Some(Ok(bytes)) => bytes.as_deref().map(Hash::of),
             Some(Err(_)) => return false,
         };
         let to_accept = self.accept && known.findings.iter().any(is_drift);
         !known.failed
             && !to_accept
             && known.lock == lock
-            && known.includes.iter().all(|(path, hash)| self.hash(path) == Some(*hash))
+            && known.includes.iter().all(|(path, hash)| self.hash(path).as_ref() == Some(hash))
             && !known.absent.iter().any(|path| Path::new(path).exists())
     }
 
     /// The hash of a file that may be included by many.
-    fn hash(&self, path: &str) -> Option<u64> {
+    fn hash(&self, path: &str) -> Option<Hash> {
         let mut hashes = self.hashes.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(hash) = hashes.get(path) {
-            return *hash;
+            return hash.clone();
         }
-        let hash = fs::read(path).ok().map(|bytes| fnv(&bytes));
-        hashes.insert(path.to_string(), hash);
+        let bytes = source::read_bytes(Path::new(path), self.basis.max_bytes());
+        let hash = bytes.ok().map(|bytes| Hash::of(&bytes));
+        hashes.insert(path.to_string(), hash.clone());
         hash
     }
 
-    fn look(&self, source: Source, hash: u64, lock: Option<LockFile>) -> Fresh {
+    fn look(&self, source: Source, hash: Hash, lock: Option<LockFile>) -> Fresh {
         let options = match source.language {
             Language::Glsl => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
         let shader = landfall_layout::layout(&source, options);
+        let constants = given::known(&shader.files);
+        given::saw_names(&constants);
         let settings = &self.basis.settings;
         let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
             shader.diagnostics.iter().partition(|d| d.severity == Severity::Error);
@@ -221,12 +248,12 @@ impl Job<'_> {
             if let Some(LockFile { path, bytes }) = lock {
                 match bytes.and_then(|bytes| drift(&shader, &path, bytes)) {
                     Ok(Against { hash, lock: old, found }) => {
-                        let mut drifted = run::at_levels(found, settings);
+                        let mut drifted = levels::at_levels(found, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
                         if self.accept && drifted.iter().any(is_drift) {
                             let text = lock::renew(&shader, old.as_ref());
-                            lock_hash = Some(fnv(text.as_bytes()));
+                            lock_hash = Some(Hash::of(text.as_bytes()));
                             new_lock = Some((path, text));
                         } else {
                             findings.extend(drifted);
@@ -238,10 +265,10 @@ impl Job<'_> {
                     )),
                 }
             }
-            findings = run::at_levels(findings, settings);
+            findings = levels::at_levels(findings, settings);
             findings.extend(run::ask_shader(&subject, settings));
         } else {
-            findings = run::at_levels(findings, settings);
+            findings = levels::at_levels(findings, settings);
             failed.extend(errors.iter().take(MOST_ERRORS).map(|d| of_diagnostic(d, &shader.files)));
             if let (Some(last), true) = (failed.last_mut(), errors.len() > MOST_ERRORS) {
                 last.notes.push(format!("and {} more errors", errors.len() - MOST_ERRORS));
@@ -250,14 +277,14 @@ impl Job<'_> {
         suppress(&mut findings, &mut allowed);
         let is_failed = !failed.is_empty();
         findings.extend(failed);
-        let includes: Vec<(String, u64)> = shader
+        let includes: Vec<(String, Hash)> = shader
             .files
             .iter()
             .skip(1)
             // Macros of the command line have a text too, by this name.
             .filter(|file| !file.path.starts_with("-D "))
             // A file that is gone by now has no hash, and makes the shader new next time.
-            .map(|file| (file.path.clone(), self.hash(&file.path).unwrap_or(0)))
+            .map(|file| (file.path.clone(), self.hash(&file.path).unwrap_or_default()))
             .collect();
         let checked = Checked {
             path: source.path.clone(),
@@ -265,6 +292,7 @@ impl Job<'_> {
             absent: self.absent(&source.path, &includes),
             includes,
             lock: lock_hash,
+            constants,
             failed: is_failed,
             findings,
             blocks: if is_failed { Vec::new() } else { digest(&shader) },
@@ -275,7 +303,7 @@ impl Job<'_> {
 
     /// Files that are not there, but would be included if they were: the same names beside every
     /// file of the shader and in every include directory.
-    fn absent(&self, shader: &str, includes: &[(String, u64)]) -> Vec<String> {
+    fn absent(&self, shader: &str, includes: &[(String, Hash)]) -> Vec<String> {
         if includes.is_empty() {
             return Vec::new();
         }
@@ -305,7 +333,7 @@ fn is_drift(finding: &Finding) -> bool {
 
 /// A shader against its lock: the hash of the lock's bytes, the lock, and what has drifted.
 struct Against {
-    hash: Option<u64>,
+    hash: Option<Hash>,
     lock: Option<Lock>,
     found: Vec<Finding>,
 }
@@ -318,30 +346,22 @@ fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<A
         let found = landfall_lint::drift::drift(shader, &shown, None);
         return Ok(Against { hash: None, lock: None, found });
     };
-    let hash = fnv(&bytes);
+    let hash = Hash::of(&bytes);
     let text = source::decode(&shown, bytes)?;
     let lock = lock::read(&shown, &text)?;
     let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
     Ok(Against { hash: Some(hash), lock: Some(lock), found })
 }
 
-fn read(path: &Path, shown: &str) -> Result<Vec<u8>, Error> {
-    fs::read(path).map_err(|cause| match cause.kind() {
-        std::io::ErrorKind::IsADirectory => Error::new(shown, "is a directory, not a shader file"),
-        _ => {
-            Error::new(shown, format!("cannot be read: {}", landfall_layout::file::reason(&cause)))
-        }
-    })
-}
-
 /// A shader of which nothing can be told.
-fn failed(path: &str, hash: u64, found: Diagnostic) -> Fresh {
+fn failed(path: &str, hash: Hash, found: Diagnostic) -> Fresh {
     let checked = Checked {
         path: path.to_string(),
         hash,
         includes: Vec::new(),
         absent: Vec::new(),
         lock: None,
+        constants: Vec::new(),
         failed: true,
         findings: vec![of_diagnostic(&found, &Files::default())],
         blocks: Vec::new(),

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use landfall_layout::file::write_whole;
+use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
 use landfall_layout::{Error, Language, ShaderLayout, Source};
 use landfall_lint::digest;
@@ -35,6 +36,10 @@ pub struct Run<'a> {
     pub jobs: Option<NonZeroUsize>,
     /// Stdin, by the name it goes by.
     pub stdin: HashMap<String, String>,
+    /// What writes locks.
+    pub locks: FileWriter,
+    /// Shaders that were left out.
+    pub excluded: AtomicUsize,
 }
 
 /// What a pass found.
@@ -91,7 +96,7 @@ impl Run<'_> {
                         pass.checked.push(blank());
                     }
                     Done::NoInput(found) => pass.no_input.push(*found),
-                    Done::Fresh(fresh) => pass.take(*fresh),
+                    Done::Fresh(fresh) => pass.take(*fresh, &self.locks),
                 }
                 if let Some(last) = since.as_mut().filter(|last| last.elapsed() >= PROGRESS) {
                     *last = Instant::now();
@@ -114,6 +119,7 @@ impl Run<'_> {
         let Ok(input) = input else { return true };
         let below = self.root.below(&input.path);
         if below.as_deref().is_some_and(|below| self.exclude.takes(below)) {
+            self.excluded.fetch_add(1, Ordering::Relaxed);
             return false;
         }
         let Some(shard) = self.shard else { return true };
@@ -125,10 +131,11 @@ impl Run<'_> {
 fn blank() -> Checked {
     Checked {
         path: String::new(),
-        hash: 0,
+        hash: Default::default(),
         includes: Vec::new(),
         absent: Vec::new(),
         lock: None,
+        constants: Vec::new(),
         failed: false,
         findings: Vec::new(),
         blocks: Vec::new(),
@@ -137,7 +144,7 @@ fn blank() -> Checked {
 }
 
 impl Pass {
-    fn take(&mut self, fresh: super::one::Fresh) {
+    fn take(&mut self, fresh: super::one::Fresh, locks: &FileWriter) {
         let weight = fresh.weight();
         let number = self.checked.len();
         self.fresh += 1;
@@ -149,8 +156,8 @@ impl Pass {
             }
         }
         if let Some((path, text)) = fresh.lock {
-            match write_whole(&path, text) {
-                Ok(()) => self.accepted += 1,
+            match locks.write(&path, text) {
+                Ok(_) => self.accepted += 1,
                 Err(error) => self.fail(number, error),
             }
         }
@@ -180,7 +187,6 @@ impl Pass {
 
 /// The text of a shader as it is on disk now.
 pub fn source(basis: &Basis, path: &str) -> Option<Source> {
-    let bytes = std::fs::read(Path::new(path)).ok()?;
-    let text = landfall_layout::source::decode(path, bytes).ok()?;
-    Some(basis.source(path, &text))
+    let bytes = landfall_layout::source::read_bytes(Path::new(path), basis.max_bytes()).ok()?;
+    basis.source(path, bytes).ok()
 }

@@ -5,12 +5,14 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::io::Write as _;
+use std::path::Path;
 use std::sync::Arc;
 
 use landfall_layout::Error;
-use landfall_layout::file::{reason, write_whole};
+use landfall_layout::file::{FileWriter, reason};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::Paint;
+use landfall_layout::format::words::counted;
 use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report};
 
 use crate::args::Report;
@@ -72,6 +74,7 @@ pub fn write(
     result: &Result<'_>,
     formats: &[Report],
     statistics: bool,
+    mut writer: FileWriter,
     streams: &Streams,
 ) -> std::result::Result<Outcome, Failure> {
     let human = [Report { format: ReportFormat::Human, file: None }];
@@ -81,12 +84,15 @@ pub fn write(
     for wanted in formats {
         if let Some(file) = &wanted.file {
             let text = report(result.findings, wanted.format, &options(Paint::Plain));
-            write_whole(file, with_shard(text, wanted.format, result))?;
+            writer.write(file, with_shard(text, wanted.format, result))?;
+            // No report over another, whatever links lead there.
+            writer.protect([file]);
         }
     }
     if formats.iter().any(|wanted| wanted.format == ReportFormat::Github) {
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())
         {
+            writer.allows(Path::new(&path))?;
             let text = github_summary(result.findings, &options(Paint::Plain));
             // The file is the step's: what ran before may have written to it.
             let file = std::fs::OpenOptions::new().create(true).append(true).open(&path);
@@ -114,7 +120,15 @@ pub fn write(
             result.findings
         };
         let text = report(findings, wanted.format, &options(paint));
-        streams.product(&with_shard(text, wanted.format, result))?;
+        let text = with_shard(text, wanted.format, result);
+        match wanted.format {
+            ReportFormat::Human | ReportFormat::Short | ReportFormat::Junit => {
+                streams.product(&text)?;
+            }
+            ReportFormat::Json | ReportFormat::Sarif => streams.json(&text)?,
+            // Commands that are meant, escaped as the runner reads them.
+            ReportFormat::Github => streams.exactly(&text)?,
+        }
     }
     streams.finish()?;
     if statistics {
@@ -183,9 +197,4 @@ fn counts(findings: &[Finding]) -> String {
         let _ = writeln!(text, "{count:>6}  {code}");
         text
     })
-}
-
-/// `1 shader`, `2 shaders`.
-pub fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }

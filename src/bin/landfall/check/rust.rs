@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use ignore::WalkBuilder;
 use landfall_layout::Error;
+use landfall_layout::file::{MOST_BYTES, read_whole};
 use landfall_lint::rust_mirror::readable;
 use landfall_lint::settings::{RustFile, Settings};
 
@@ -53,7 +54,7 @@ pub fn files(
                 continue;
             }
             // What cannot be read names no mirror that anybody could know of.
-            let bytes = std::fs::read(path).unwrap_or_default();
+            let bytes = read_whole(path, MOST_BYTES).unwrap_or_default();
             if memchr::memmem::find(&bytes, MARK).is_some() {
                 take(path, config.root.show(path))?;
             }

@@ -7,11 +7,11 @@ use std::path::Path;
 
 use landfall_layout::Error;
 use landfall_layout::finding::Finding;
-use landfall_lint::digest::fnv;
 use landfall_lint::render::read_json;
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
+use super::hash::Hash;
 use super::one::Checked;
 use super::pass::Pass;
 use crate::args::Shard;
@@ -147,11 +147,12 @@ fn agree(parts: &[(String, Part, Vec<Finding>)]) -> Result<(), Error> {
 /// Excerpts and lints over all shaders want the files that were checked.
 fn unchanged(pass: &Pass) -> Result<(), Error> {
     for checked in &pass.checked {
-        let files = std::iter::once((&checked.path, checked.hash))
-            .chain(checked.includes.iter().map(|(path, hash)| (path, *hash)));
+        let files = std::iter::once((&checked.path, &checked.hash))
+            .chain(checked.includes.iter().map(|(path, hash)| (path, hash)));
         for (path, hash) in files {
-            // A hash of 0: it could not be read there either.
-            if hash != 0 && std::fs::read(path).ok().map(|bytes| fnv(&bytes)) != Some(hash) {
+            let now = || std::fs::read(path).ok().map(|bytes| Hash::of(&bytes));
+            // Without a hash it could not be read there either.
+            if hash.is_known() && now().as_ref() != Some(hash) {
                 return Err(Error::new(path, "is not the file that was checked")
                     .with_help("merge in a checkout of the commit that the shards checked"));
             }

@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::{Options, ShaderLayout, Source, layout, lock};
 use landfall_lint::allow::{Allow, suppress, unused};
-use landfall_lint::digest::{BlockDigest, concerned, fnv};
-use landfall_lint::{Check, Subject, lint, run};
+use landfall_lint::digest::{BlockDigest, concerned};
+use landfall_lint::{Check, Subject, levels, lint, run};
 
 use super::basis::Basis;
+use super::hash::Hash;
 use super::one::Checked;
 use super::pass::{Pass, source};
 use crate::config::{Root, slashes};
@@ -20,7 +21,7 @@ use crate::config::{Root, slashes};
 /// What lints over all shaders found, before comments: kept while no shader changes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Remembered {
-    pub key: u64,
+    pub key: Hash,
     pub findings: Vec<Finding>,
 }
 
@@ -44,8 +45,8 @@ pub fn findings(
         }
     };
     let mut more = over_all;
-    more.extend(run::at_levels(orphans(basis, root), &basis.settings));
-    more.extend(run::at_levels(elsewhere.to_vec(), &basis.settings));
+    more.extend(levels::at_levels(orphans(basis, root), &basis.settings));
+    more.extend(levels::at_levels(elsewhere.to_vec(), &basis.settings));
     let mut allows: Vec<Allow> =
         pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
     suppress(&mut more, &mut allows);
@@ -72,8 +73,8 @@ pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
     findings
 }
 
-/// A number that is another when lints over all shaders may find something else.
-fn key(pass: &Pass, basis: &Basis) -> u64 {
+/// A hash that is another when lints over all shaders may find something else.
+fn key(pass: &Pass, basis: &Basis) -> Hash {
     let mut text = String::new();
     let mut add = |part: &str| {
         text.push_str(part);
@@ -82,13 +83,13 @@ fn key(pass: &Pass, basis: &Basis) -> u64 {
     let mut shaders: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
     shaders.sort_by(|a, b| a.path.cmp(&b.path));
     for checked in shaders {
-        add(&format!("{} {:x}", checked.path, checked.hash));
+        add(&format!("{} {}", checked.path, checked.hash.as_str()));
         for (include, hash) in &checked.includes {
-            add(&format!("{include} {hash:x}"));
+            add(&format!("{include} {}", hash.as_str()));
         }
     }
     add(&basis.over_all());
-    fnv(text.as_bytes())
+    Hash::of(text.as_bytes())
 }
 
 /// Asks lints that look at all shaders, about those they may have something to say about.
@@ -127,7 +128,7 @@ fn is_asked(code: &str, basis: &Basis) -> bool {
 /// Locks whose shader is gone from what was searched.
 fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
     let Some(locks) = basis.locks.as_deref().map(Path::new) else { return Vec::new() };
-    if run::level("lock-orphan", &basis.settings) == Level::Allow || basis.searched.is_empty() {
+    if levels::level("lock-orphan", &basis.settings) == Level::Allow || basis.searched.is_empty() {
         return Vec::new();
     }
     let mut found = Vec::new();
@@ -142,7 +143,8 @@ fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
                 || shader.strip_prefix(folder.as_str()).is_some_and(|rest| rest.starts_with('/'))
         });
         let is_lock = lock::path_of(locks, Path::new(shader)) == path;
-        if searched && is_lock && !root.shown.join(shader).exists() {
+        let is_gone = || !root.shown.join(shader).exists();
+        if searched && is_lock && is_gone() && crate::lock::holds_lock(&path) {
             orphans.push(landfall_lint::drift::orphan(&slashes(&path)));
         }
     }

@@ -27,12 +27,15 @@ pub fn find(paths: &[PathBuf]) -> Result<Option<PathBuf>, Error> {
             .collect()
     });
     for folder in start.ancestors() {
-        let held: Vec<&str> =
-            NAMES.into_iter().filter(|name| folder.join(name).is_file()).collect();
+        let held: Vec<&str> = NAMES.into_iter().filter(|name| holds(&folder.join(name))).collect();
         let shown = |name: &str| way(&current, folder).join(name);
         match held.as_slice() {
             [] => {}
-            [name] => return Ok(Some(shown(name))),
+            [name] => {
+                let shown = shown(name);
+                readable(&folder.join(name), &shown)?;
+                return Ok(Some(shown));
+            }
             _ => {
                 let message = format!("stands beside `{}`, and only one can hold", NAMES[1]);
                 return Err(Error::new(shown(NAMES[0]).display().to_string(), message)
@@ -41,6 +44,28 @@ pub fn find(paths: &[PathBuf]) -> Result<Option<PathBuf>, Error> {
         }
     }
     Ok(None)
+}
+
+/// Whether there is something of that name: a link that leads nowhere is meant to be a
+/// configuration, too.
+fn holds(path: &Path) -> bool {
+    path.symlink_metadata().is_ok_and(|found| !found.is_dir())
+}
+
+/// A configuration that cannot be read is not the same as none.
+fn readable(path: &Path, shown: &Path) -> Result<(), Error> {
+    let refuse = |what: &str| {
+        Error::new(shown.display().to_string(), what)
+            .with_help("remove it, or run without a configuration with `--no-config`")
+    };
+    match path.metadata() {
+        Ok(found) if found.is_file() => Ok(()),
+        Ok(_) => Err(refuse("is the configuration, and is no file")),
+        Err(_) if path.is_symlink() => {
+            Err(refuse("is the configuration, and a link that leads nowhere"))
+        }
+        Err(_) => Err(refuse("is the configuration, and cannot be read")),
+    }
 }
 
 /// The folder that a file or glob is in.

@@ -174,7 +174,9 @@ fn aliases(keys: &Keys<'_>, example: &str) -> Vec<(String, String)> {
 
 fn glob(keys: &Keys<'_>, key: &'static str, root: &Root) -> String {
     let Some(text) = keys.text(key) else { return String::new() };
-    if let Err(cause) = Glob::new(&text.value) {
+    if let Some(cause) = crate::inputs::too_deep(&text.value) {
+        keys.bad_glob(&text, &cause);
+    } else if let Err(cause) = Glob::new(&text.value) {
         keys.bad_glob(&text, &cause.kind().to_string());
     }
     root.glob(&text.value)

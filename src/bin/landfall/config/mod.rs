@@ -14,6 +14,7 @@ use landfall_layout::diagnostic::Code;
 use std::path::{Path, PathBuf};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
+use landfall_layout::file::FileWriter;
 use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
 use landfall_lint::settings::Target as Limits;
@@ -34,6 +35,8 @@ const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::W
 /// What a project says.
 #[derive(Debug, Default)]
 pub struct Config {
+    /// The file that says it.
+    pub file: Option<PathBuf>,
     /// The folder that paths are relative to.
     pub root: Root,
     /// What is checked when nothing is named.
@@ -77,7 +80,7 @@ pub fn load(
     let document = Document::new(&read::shown(&file), text);
     let config = document.read(|keys| self::read(keys, root));
     match config {
-        Ok(config) => Ok(Some(config)),
+        Ok(config) => Ok(Some(Config { file: Some(file), ..config })),
         Err((found, files)) => {
             streams.report(&streams.style(FindingForm::Human).text(&found, &files));
             Ok(None)
@@ -99,6 +102,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         ..lints::read(keys, &root)
     };
     Config {
+        file: None,
         paths: list("paths").iter().map(|text| root.path(&text.value)).collect(),
         exclude: exclude(keys),
         locks: folder(keys.text("locks")),
@@ -108,6 +112,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
             include_dirs: list("include").iter().map(|text| root.path(&text.value)).collect(),
             overrides: pairs(keys, "override", args::setting),
             target: api.or_else(|| Api::reading(&targets)),
+            max_bytes: None,
         },
         rules: rules.and_then(Rules::from_name),
         gather: keys.bool("gather").unwrap_or(false),
@@ -172,6 +177,15 @@ impl Config {
         self.said_locks(named).unwrap_or_else(|| self.root.path(LOCKS))
     }
 
+    /// What writes below a folder: through no link out of the project, or out of the folder
+    /// where that is not in the project or was named on the command line.
+    pub fn writer(&self, folder: &Path, named: bool) -> FileWriter {
+        match named {
+            true => FileWriter::default().inside(folder),
+            false => self.root.writer(folder),
+        }
+    }
+
     /// The lock of a shader: `lock` and `verify --record` write it where `check` looks.
     ///
     /// # Errors
@@ -208,6 +222,7 @@ impl Config {
                     // `--target webgpu` replaces the limits, not what GLSL is read as.
                     false => told.or(target),
                 },
+                max_bytes: args.max_bytes,
             },
             rules: args.rules.as_deref().and_then(Rules::from_name).or(self.rules),
             gather: args.gather || self.gather,
@@ -224,7 +239,12 @@ impl Config {
         let mut settings = self.settings.clone();
         for (code, level) in levels {
             if !is_code(code) {
-                return Err(unknown_code(code));
+                let found = unknown_code(code);
+                let define = "a macro is defined with `--define NAME` or `-D NAME=TEXT`";
+                return Err(match args::define(code).is_ok() {
+                    true => found.with_note(define),
+                    false => found,
+                });
             }
             settings.levels.push((code.clone(), *level));
         }
@@ -268,6 +288,9 @@ impl Exclude {
     /// A pattern with a `/` is a path from the configuration's folder; one without is any file
     /// or folder of that name. What is in a folder that is left out is left out.
     pub fn add(&mut self, pattern: &str) -> Result<(), String> {
+        if let Some(cause) = crate::inputs::too_deep(pattern) {
+            return Err(cause);
+        }
         let bare = pattern.trim_end_matches('/');
         let (from, anchored) = match bare.strip_prefix("./").or(bare.strip_prefix('/')) {
             Some(rest) => (rest, true),
@@ -294,6 +317,22 @@ impl Exclude {
     pub fn takes(&self, path: &str) -> bool {
         !self.globs.is_empty() && self.set.is_match(path)
     }
+}
+
+/// Every shader of a run was left out.
+pub fn all_excluded(count: usize, flags: &[String]) -> Diagnostic {
+    let what = if count == 1 {
+        "the only shader is".to_string()
+    } else {
+        format!("all {count} shaders are")
+    };
+    let message = format!("{what} left out, and nothing is looked at");
+    let help = match flags {
+        [] => "`exclude` of the configuration says so".to_string(),
+        flags => format!("`--exclude {}` says so", flags.join("`, `--exclude ")),
+    };
+    let found = Diagnostic::about(Code::NoInput, message, Some(help), "");
+    Diagnostic { path: None, ..found }
 }
 
 /// A bad glob on the command line.

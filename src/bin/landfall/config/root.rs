@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::Error;
-use landfall_layout::file::reason;
+use landfall_layout::file::{FileWriter, reason};
 
 /// A folder as messages show it and as it is.
 #[derive(Clone, Debug, Default)]
@@ -46,6 +46,13 @@ impl Root {
         }
         let real = absolute(&self.current, path);
         real.strip_prefix(&self.real).ok().map(slashes)
+    }
+
+    /// What writes below a folder: through no link out of the project, or out of the folder where
+    /// that is not in the project.
+    pub fn writer(&self, folder: &Path) -> FileWriter {
+        let tree = if self.below(folder).is_some() { self.path("") } else { folder.to_path_buf() };
+        FileWriter::default().inside(&tree)
     }
 
     /// A file as messages show it: the same however the command line spells it.

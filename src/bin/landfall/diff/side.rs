@@ -11,7 +11,7 @@ use crate::config::{Config, slashes};
 use crate::inputs::Inputs;
 use crate::lock::locks_below;
 use crate::output::{FindingStyle, Streams};
-use crate::read;
+use crate::{given, read};
 
 /// The shaders of one side.
 pub struct Side {
@@ -130,6 +130,7 @@ impl Reading<'_> {
             *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
         }
         let layout = landfall_layout::layout(&source, &options);
+        given::saw(&layout.files);
         let findings = self.style.text(&layout.diagnostics, &layout.files);
         self.streams.report(&tree.map_or(findings.clone(), |tree| tree.shown(&findings)));
         if layout.has_errors() {
@@ -175,5 +176,6 @@ pub fn nothing(like: &ShaderLayout) -> ShaderLayout {
         overrides: Vec::new(),
         files: Files::default(),
         diagnostics: Vec::new(),
+        assumed_target: None,
     }
 }

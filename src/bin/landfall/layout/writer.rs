@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use landfall_layout::format as emit;
-use landfall_layout::format::EmitOptions;
+use landfall_layout::format::{EmitOptions, Format};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
 use super::Done;
 use crate::args::LayoutArgs;
-use landfall_layout::file::write_whole;
+use crate::{read, write};
+use landfall_layout::file::FileWriter;
 
 use crate::output::{Failure, FindingStyle, Outcome, Streams};
 
@@ -37,6 +38,7 @@ pub struct Writer<'a> {
     others: Vec<String>,
     outcome: Outcome,
     progress: Option<Instant>,
+    writer: FileWriter,
 }
 
 impl<'a> Writer<'a> {
@@ -58,6 +60,7 @@ impl<'a> Writer<'a> {
             others: Vec::new(),
             outcome: Outcome::Clean,
             progress: streams.shows_progress().then(Instant::now),
+            writer: writer(args),
         }
     }
 
@@ -69,14 +72,14 @@ impl<'a> Writer<'a> {
         }
         self.streams.report(&done.findings);
         let room = NAMES.saturating_sub(self.others.len());
-        for name in done.others.into_iter().take(room) {
-            if !self.others.contains(&name) {
-                self.others.push(name);
+        for name in done.others.iter().take(room) {
+            if !self.others.contains(name) {
+                self.others.push(name.clone());
             }
         }
         match (&done.product, &self.args.out) {
             (Some(text), None) => self.print(text)?,
-            (Some(text), Some(_)) => self.write(text, &done.relative, &done.path)?,
+            (Some(text), Some(out)) => self.write(text, out, &done)?,
             (None, _) => {}
         }
         self.last = done.path;
@@ -86,16 +89,22 @@ impl<'a> Writer<'a> {
 
     fn print(&mut self, text: &str) -> Result<(), Failure> {
         match self.written {
-            0 => self.streams.product(&emit::opening(self.emit))?,
-            _ => self.streams.product(emit::between(self.emit))?,
+            0 => self.streams.exactly(&emit::opening(self.emit))?,
+            _ => self.streams.exactly(emit::between(self.emit))?,
         }
         self.written += 1;
-        self.streams.product(text)
+        match self.emit.format {
+            Format::Json => self.streams.json(text),
+            // Made safe where it was made.
+            Format::Table | Format::Listing | Format::Csv | Format::Markdown => {
+                self.streams.exactly(text)
+            }
+        }
     }
 
-    fn write(&mut self, text: &str, relative: &Path, path: &Path) -> Result<(), Failure> {
-        let out = self.args.out.as_deref().expect("only called with --out");
-        let mut target = out.join(relative).into_os_string();
+    fn write(&mut self, text: &str, out: &Path, done: &Done) -> Result<(), Failure> {
+        let path = &done.path;
+        let mut target = out.join(&done.relative).into_os_string();
         target.push(".");
         target.push(self.emit.format.extension());
         let target = PathBuf::from(target);
@@ -109,10 +118,30 @@ impl<'a> Writer<'a> {
                 .with_help("write the layouts of each directory to a directory of its own")
                 .into());
         }
-        write_whole(&target, text)?;
+        write::protect(&mut self.writer, &done.files);
+        self.own(&target, &done.files)?;
+        self.writer.write(&target, text)?;
         self.targets.insert(target, path.to_path_buf());
         self.written += 1;
         Ok(())
+    }
+
+    /// Whether what is at the target, if anything, was written by `layout --out`.
+    fn own(&self, target: &Path, files: &Files) -> Result<(), Error> {
+        let name = files.get(0).and_then(|file| Path::new(&file.path).file_name());
+        let name = name.map(|name| name.to_string_lossy()).unwrap_or_default();
+        let own = |text: &[u8]| {
+            let text = String::from_utf8_lossy(text);
+            text.is_empty() || emit::is_document(&text, self.emit.format, &name)
+        };
+        match read::file(target) {
+            Some(text) if !self.args.force && !own(&text) => {
+                let message = "is there already, and was not written by `landfall layout`";
+                Err(Error::new(target.display().to_string(), message)
+                    .with_help("name another directory, or write over it with `--force`"))
+            }
+            Some(_) | None => Ok(()),
+        }
     }
 
     fn show_progress(&mut self) {
@@ -160,6 +189,14 @@ impl<'a> Writer<'a> {
             1 => format!("in `{}`", self.last.display()),
             n => format!("in {n} shaders"),
         }
+    }
+}
+
+/// What writes below `--out`, and leaves the files that were named alone.
+fn writer(args: &LayoutArgs) -> FileWriter {
+    match &args.out {
+        Some(out) => FileWriter::new(&args.files).inside(out),
+        None => FileWriter::default(),
     }
 }
 

@@ -15,7 +15,7 @@ use serde_json::{Map, Value};
 
 use crate::args::{ReadArgs, RenderArgs};
 use crate::output::{FindingStyle, Streams};
-use crate::{data, read};
+use crate::{data, read, write};
 
 /// A scene and everything that is asked of it.
 #[derive(Clone)]
@@ -221,6 +221,12 @@ impl Asked {
         let mut settings = compiled.settings(text);
         settings.retain(|setting| !is_said(setting));
         settings
+    }
+
+    /// The files that were read: the scene, its meshes, the shader and what it includes.
+    pub fn files_read(&self) -> Vec<Files> {
+        let shader = self.shader.iter().map(|shader| write::files_of(shader, &self.options));
+        shader.chain([self.reading.files.clone()]).collect()
     }
 
     pub fn no_shader(&self) -> Error {

@@ -156,7 +156,7 @@ impl Pipelines {
                 };
                 // SAFETY: the words are whole instructions made by a compiler of the user's;
                 // a driver that minds takes only this process down, which is what
-                // `remote` is for.
+                // `subprocess` is for.
                 Ok(unsafe { open.device.create_shader_module_passthrough(descriptor) })
             }
         })?;

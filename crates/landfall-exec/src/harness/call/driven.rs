@@ -3,7 +3,7 @@
 //!
 //! Takes a [`Pure`]; `module` builds an entry point around its caller for whoever runs modules,
 //! `text` adds a `main` to the user's GLSL for OpenGL. Readers keep what they compiled, so that
-//! one [`Driven`] compiles once. Feeds [`accuracy::stress`](landfall_light::accuracy::stress) and
+//! one [`Driven`] compiles once. Feeds `landfall_light::accuracy::stress` and
 //! [`call`](super::call()).
 
 mod builder;

@@ -1,7 +1,7 @@
 //! A function of a shader with everything it reads as a parameter: arguments, inputs of the
 //! stage, members of blocks. What it writes besides its result comes back too.
 //!
-//! Made by `make` of a shader's text; [`accuracy::stress`](landfall_light::accuracy::stress) calls it over
+//! Made by `make` of a shader's text; `landfall_light::accuracy::stress` calls it over
 //! many samples at a time.
 
 use serde_json::{Map, Value};

@@ -1,6 +1,6 @@
 //! What calling a function gave: plain data, as `landfall schema run` describes it.
 //!
-//! Made by [`call`](super::call()), printed by [`emit::run`](landfall::report::run).
+//! Made by [`call`](super::call()), printed by the report of `landfall run`.
 
 use landfall_layout::diagnostic::Code;
 use serde::Serialize;

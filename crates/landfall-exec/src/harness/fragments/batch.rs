@@ -8,8 +8,9 @@ use super::{ATLAS, FragmentShader, SIZE};
 use crate::backend::{
     Failure, Grid, Job, LooseUniform, Reader, Resource, ResourceKind, StageCode, Texel,
 };
+use crate::harness::access;
 use crate::harness::bindings as bound;
-use crate::harness::verify::{access, code, every};
+use crate::harness::verify::{code, every};
 use landfall_ir::Module;
 use landfall_ir::module::HandleKind;
 use landfall_layout::buffer::decode;

@@ -159,17 +159,7 @@ fn rebuilt(
         position: ty(vector(VectorSize::Quad, Scalar::F32)),
         place: ty(vector(VectorSize::Bi, Scalar::I32)),
     };
-    let atlas = ir.global_variables.append(
-        GlobalVariable {
-            name: Some(ATLAS.to_string()),
-            space: AddressSpace::Handle,
-            binding: Some(ResourceBinding { group, binding }),
-            ty: image,
-            init: None,
-            memory_decorations: naga::MemoryDecorations::empty(),
-        },
-        Span::UNDEFINED,
-    );
+    let atlas = ir.global_variables.append(atlas(image, group, binding), Span::UNDEFINED);
     let mut new = Fetcher { function: Function::default(), builtins: Vec::new() };
     new.function.name = Some(ENTRY.to_string());
     let structs: Vec<Option<Vec<StructMember>>> = old_arguments
@@ -222,28 +212,43 @@ fn rebuilt(
                 result.map(|(binding, result)| FunctionResult { ty: result.ty, binding });
             returned
         }
-        Gives::White => {
-            let binding = Binding::Location {
-                location: 0,
-                interpolation: None,
-                sampling: None,
-                blend_src: None,
-                per_primitive: false,
-            };
-            function.result = Some(FunctionResult { ty: types.position, binding: Some(binding) });
-            let one = Expression::Literal(Literal::F32(1.0));
-            let one = function.expressions.append(one, Span::UNDEFINED);
-            let white = Expression::Splat { size: VectorSize::Quad, value: one };
-            let white = function.expressions.append(white, Span::UNDEFINED);
-            let emitted = naga::Range::new_from_bounds(white, white);
-            function.body.push(Statement::Emit(emitted), Span::UNDEFINED);
-            Some(white)
-        }
+        Gives::White => Some(white(&mut function, types.position)),
     };
     function.body.push(Statement::Return { value }, Span::UNDEFINED);
     let name = ENTRY.to_string();
     ir.entry_points = vec![EntryPoint { name, function, ..entry.clone() }];
     module.validated()
+}
+
+/// The texture that holds the inputs.
+fn atlas(ty: Handle<Type>, group: u32, binding: u32) -> GlobalVariable {
+    GlobalVariable {
+        name: Some(ATLAS.to_string()),
+        space: AddressSpace::Handle,
+        binding: Some(ResourceBinding { group, binding }),
+        ty,
+        init: None,
+        memory_decorations: naga::MemoryDecorations::empty(),
+    }
+}
+
+/// Makes a function return white at location 0; the value it returns.
+fn white(function: &mut Function, ty: Handle<Type>) -> Handle<Expression> {
+    let binding = Binding::Location {
+        location: 0,
+        interpolation: None,
+        sampling: None,
+        blend_src: None,
+        per_primitive: false,
+    };
+    function.result = Some(FunctionResult { ty, binding: Some(binding) });
+    let one = Expression::Literal(Literal::F32(1.0));
+    let one = function.expressions.append(one, Span::UNDEFINED);
+    let white = Expression::Splat { size: VectorSize::Quad, value: one };
+    let white = function.expressions.append(white, Span::UNDEFINED);
+    let emitted = naga::Range::new_from_bounds(white, white);
+    function.body.push(Statement::Emit(emitted), Span::UNDEFINED);
+    white
 }
 
 struct Types {

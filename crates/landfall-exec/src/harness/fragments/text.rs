@@ -8,10 +8,11 @@ use std::sync::Arc;
 
 use super::{ATLAS, Input, InputKind, PIXEL, SIZE};
 use crate::harness::rewrite::{Builtin, MAIN, Wanted, rewritten, root};
-use crate::harness::verify::{code, partner};
+use crate::harness::verify::code;
 use landfall_layout::source::{Language, ReadOptions, Source, Target};
+use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
 pub use landfall_layout::syntax::glsl::raw;
-pub use landfall_layout::syntax::glsl::raw::RawToken;
+pub use landfall_layout::syntax::glsl::raw::RawText;
 
 /// What stands for `gl_FragCoord` where that is an input.
 const COORDINATE: &str = "landfall_FragCoord";
@@ -129,7 +130,7 @@ pub(super) fn text(
     let _ = writeln!(out, "    {MAIN}();");
     if writes == Writes::White {
         // All that is written before is written over.
-        let name = outputs(&raw.tokens, &rewritten.flat.text);
+        let name = outputs(raw, &rewritten.flat.text);
         let _ = writeln!(out, "    {name};");
     }
     out.push_str("}\n");
@@ -137,38 +138,21 @@ pub(super) fn text(
 }
 
 /// A statement that makes the first output white.
-fn outputs(tokens: &[RawToken], text: &str) -> String {
-    let word = |token: &RawToken| &text[token.start..token.end];
-    let mut at = 0;
-    while at < tokens.len() {
-        if tokens[at].directive.is_some() {
-            at += 1;
+fn outputs(raw: &RawText, text: &str) -> String {
+    for declaration in raw.declarations(text) {
+        let Item::Variables(variables) = &declaration.item else { continue };
+        let (TypeBase::Name(ty), Some(first)) = (&variables.ty.base, variables.names.first())
+        else {
             continue;
-        }
-        let found = partner::statement(&tokens[at..], &word);
-        let words: Vec<&str> = tokens[at..at + found.end].iter().map(word).collect();
-        at += found.end;
-        let mut depth = 0u32;
-        let head = words.iter().take_while(|word| !matches!(**word, "{" | "=" | ";"));
-        let out = head.into_iter().any(|word| {
-            match *word {
-                "(" => depth += 1,
-                ")" => depth = depth.saturating_sub(1),
-                _ => {}
-            }
-            depth == 0 && *word == "out"
-        });
-        if let (true, Some(end)) = (out && !found.function, words.iter().rposition(|w| *w == ";")) {
-            let ty = words.iter().find(|w| w.starts_with("vec") || **w == "float");
-            let first = words[..end].iter().position(|w| *w == "=" || *w == "[" || *w == ",");
-            let name = words[..first.unwrap_or(end)].last();
-            if let (Some(ty), Some(name)) = (ty, name) {
-                let element = if words.contains(&"[") { "[0]" } else { "" };
-                return format!("{name}{element} = {ty}(1.0)");
-            }
+        };
+        let colored = ty.starts_with("vec") || *ty == "float";
+        if variables.qualifiers.storage == Storage::Out && colored {
+            let array = !(first.dims.is_empty() && variables.ty.dims.is_empty());
+            let element = if array { "[0]" } else { "" };
+            return format!("{}{element} = {ty}(1.0)", first.name.text);
         }
     }
-    let data = tokens.iter().any(|token| word(token) == "gl_FragData");
+    let data = raw.tokens.iter().any(|token| &text[token.start..token.end] == "gl_FragData");
     if data { "gl_FragData[0] = vec4(1.0)" } else { "gl_FragColor = vec4(1.0)" }.to_string()
 }
 

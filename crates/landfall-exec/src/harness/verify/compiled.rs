@@ -8,8 +8,9 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use super::report::{CompiledRun, Outcome};
-use super::{Subject, VerifyOptions, access};
+use super::{Subject, VerifyOptions};
 use crate::backend::{Failure, Grid, Job, Reader, Resource, StageCode, Texel};
+use crate::harness::access;
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::harness::coverage::fill;
@@ -172,6 +173,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
         text: Arc::from(text),
         language: Language::Wgsl,
         stage: None,
+        foreign: None,
     };
     let module = Module::new(&source, &Options::default());
     let module = module.map_err(|found| format!("no inputs for it: {}", found[0].message))?;

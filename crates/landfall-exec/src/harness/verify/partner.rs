@@ -4,11 +4,13 @@
 //! stage that writes each input the user's own `main` reads, though that is dead: made
 //! from the user's declarations, `in` turned into `out`.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use landfall_layout::source::{Language, ReadOptions, Source, Stage};
+use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
 pub use landfall_layout::syntax::glsl::raw;
-pub use landfall_layout::syntax::glsl::raw::RawToken;
+pub use landfall_layout::syntax::glsl::raw::{RawDeclaration, RawText, RawToken};
 
 /// A fragment stage that writes nothing of note, in the version of that text.
 pub(crate) fn fragment(of: &Source) -> Source {
@@ -26,32 +28,23 @@ pub(crate) fn fragment(of: &Source) -> Source {
         text: Arc::from(text),
         language: Language::Glsl,
         stage: Some(Stage::Fragment),
+        foreign: None,
     }
 }
 
 /// A vertex stage that declares what a fragment shader reads, and covers the image.
 pub(crate) fn vertex(of: &Source, options: &ReadOptions) -> String {
     let raw = raw::read(of, options);
-    let tokens = &raw.tokens;
-    let word = |token: &RawToken| &of.text[token.start..token.end];
     let mut text = String::with_capacity(1024);
-    let mut at = 0;
-    while at < tokens.len() {
-        if tokens[at].directive.is_some() {
-            let directive = tokens[at].directive;
-            let count = tokens[at..].iter().take_while(|t| t.directive == directive).count();
-            text.push_str(&of.text[tokens[at].start..tokens[at + count - 1].end]);
-            text.push('\n');
-            at += count;
-            continue;
+    let mut directives = directives(&raw).into_iter().peekable();
+    for declaration in raw.declarations(&of.text) {
+        let Some(&first) = declaration.tokens.first() else { continue };
+        while let Some(directive) = directives.next_if(|directive| directive.start < first) {
+            append_directive(&mut text, of, &raw, &directive);
         }
-        let Statement { end, function } = statement(&tokens[at..], &word);
-        let statement = &tokens[at..at + end];
-        at += end;
-        if !function && statement.first().is_some_and(|token| token.active) {
-            append(&mut text, statement, &word);
-        }
+        append(&mut text, of, &raw, &declaration);
     }
+    directives.for_each(|directive| append_directive(&mut text, of, &raw, &directive));
     let input = if raw.version < 130 && !raw.es || raw.version == 100 { "attribute" } else { "" };
     if input.is_empty() {
         text.push_str(
@@ -64,81 +57,62 @@ pub(crate) fn vertex(of: &Source, options: &ReadOptions) -> String {
     text
 }
 
-/// A statement outside of functions.
-pub(crate) struct Statement {
-    /// Tokens it has.
-    pub end: usize,
-    pub function: bool,
+/// The directives the compiler obeys: the tokens of each.
+fn directives(raw: &RawText) -> Vec<Range<usize>> {
+    let mut all: Vec<Range<usize>> = Vec::new();
+    for (at, token) in raw.tokens.iter().enumerate().filter(|(_, token)| token.active) {
+        let Some(number) = token.directive else { continue };
+        match all.last_mut() {
+            Some(last) if raw.tokens[last.start].directive == Some(number) => last.end = at + 1,
+            _ => all.push(at..at + 1),
+        }
+    }
+    all
 }
 
-pub(crate) fn statement<'t>(
-    tokens: &[RawToken],
-    word: &impl Fn(&RawToken) -> &'t str,
-) -> Statement {
-    let (mut depth, mut function) = (0u32, false);
-    let mut before = "";
-    for (nth, token) in tokens.iter().enumerate() {
-        if token.directive.is_some() {
-            return Statement { end: nth.max(1), function };
-        }
-        let text = word(token);
-        match text {
-            "{" => {
-                function |= depth == 0 && before == ")";
-                depth += 1;
-            }
-            "(" | "[" => depth += 1,
-            ")" | "]" => depth = depth.saturating_sub(1),
-            "}" => {
-                depth = depth.saturating_sub(1);
-                if depth == 0 && function {
-                    return Statement { end: nth + 1, function };
-                }
-            }
-            ";" if depth == 0 => return Statement { end: nth + 1, function },
-            _ => {}
-        }
-        before = text;
+/// Takes over a directive, but for conditions: what they leave out is left out already.
+fn append_directive(text: &mut String, of: &Source, raw: &RawText, directive: &Range<usize>) {
+    let tokens = &raw.tokens[directive.clone()];
+    let word = |token: &RawToken| &of.text[token.start..token.end];
+    let name = tokens.get(1).map_or("", word);
+    if !matches!(name, "if" | "ifdef" | "ifndef" | "elif" | "else" | "endif") {
+        text.push_str(&of.text[tokens[0].start..tokens[tokens.len() - 1].end]);
+        text.push('\n');
     }
-    Statement { end: tokens.len().max(1), function }
 }
 
 /// Takes over declarations of types, constants and precision as they are, and inputs as outputs.
-fn append<'t>(text: &mut String, statement: &[RawToken], word: &impl Fn(&RawToken) -> &'t str) {
-    let mut depth = 0u32;
-    let mut head = Vec::new();
-    for token in statement {
-        match word(token) {
-            "(" => depth += 1,
-            ")" => depth = depth.saturating_sub(1),
-            "{" | "=" if depth == 0 => break,
-            other if depth == 0 => head.push(other),
-            _ => {}
+fn append(text: &mut String, of: &Source, raw: &RawText, declaration: &RawDeclaration<'_>) {
+    let qualifiers = match &declaration.item {
+        Item::Variables(variables) => Some(&variables.qualifiers),
+        Item::Interface(block) => Some(&block.qualifiers),
+        _ => None,
+    };
+    let storage = qualifiers.map_or(Storage::Plain, |qualifiers| qualifiers.storage);
+    let kept = match &declaration.item {
+        Item::Variables(variables) => {
+            matches!(variables.ty.base, TypeBase::Struct(_))
+                || matches!(storage, Storage::In | Storage::Const | Storage::Varying)
         }
-    }
-    let has = |name: &str| head.contains(&name);
-    let input = has("in") && !(head.len() <= 3 && has(";"));
-    if !(input || has("struct") || has("const") || has("precision") || has("varying")) {
+        Item::Interface(_) => storage == Storage::In,
+        Item::Precision(_) => true,
+        _ => false,
+    };
+    if !kept {
         return;
     }
-    let (mut depth, mut turned) = (0u32, false);
-    let mut before = statement[0].start;
-    for token in statement {
-        if token.start > before {
+    let count = qualifiers.map_or(0, |qualifiers| qualifiers.tokens.len());
+    let mut before = None;
+    for (nth, &at) in declaration.tokens.iter().enumerate() {
+        let token = &raw.tokens[at];
+        if before.is_some_and(|before| token.start > before) {
             text.push(' ');
         }
-        before = token.end;
-        let mut part = word(token);
-        match part {
-            "(" | "{" => depth += 1,
-            ")" | "}" => depth = depth.saturating_sub(1),
-            "in" if depth == 0 && input && !turned => {
-                part = "out";
-                turned = true;
-            }
-            _ => {}
-        }
-        text.push_str(part);
+        before = Some(token.end);
+        text.push_str(match &of.text[token.start..token.end] {
+            "in" if nth < count && storage == Storage::In => "out",
+            word => word,
+        });
     }
     text.push('\n');
 }
@@ -163,5 +137,18 @@ mod tests {
             "#version 450\n#define N 2\nstruct Surface { vec3 normal; };\n\
              layout(location = 0) flat out int id;\nout Stage { vec2 uv[N]; } stage;\n"
         );
+    }
+
+    #[test]
+    fn conditions_inside_of_declarations_are_obeyed() {
+        let source = Source::new(
+            "a.frag",
+            "#version 450\n#define WIDE 1\nstruct S {\n#if WIDE\n    vec4 a;\n#else\n    \
+             vec2 a;\n#endif\n};\n#if 0\nin vec2 b;\n#else\nin vec3 b;\n#endif\nvoid main() {}\n",
+        );
+        let text = vertex(&source, &ReadOptions::default());
+        let body = text.split("void main").next().expect("there is a start");
+        let own = "#version 450\n#define WIDE 1\nstruct S { vec4 a; };\nout vec3 b;\n";
+        assert_eq!(body, own);
     }
 }

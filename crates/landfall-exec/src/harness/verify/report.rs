@@ -1,7 +1,7 @@
 //! What verifying a shader found: for each block and reader, which bytes every leaf was read from.
 //!
 //! Plain data, as `landfall schema verify` describes it; made by
-//! [`verify`](super::verify), printed by [`emit`](landfall_layout::format).
+//! [`verify`](super::verify), printed by the report of `landfall verify`.
 
 use crate::backend::BackendKind;
 use serde::Serialize;

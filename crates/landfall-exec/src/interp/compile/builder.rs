@@ -7,13 +7,13 @@ use naga::valid::ModuleInfo;
 use naga::{Handle, TypeInner};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::super::body::{Body, Compiled};
 use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
 use super::super::counts::price;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
 use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInfo, Program};
 use super::super::tidy;
-use super::function::Compiled;
 use super::nowhere;
 pub use landfall_ir::module::Locals;
 use landfall_layout::source::Language;
@@ -45,19 +45,6 @@ pub(super) struct Builder<'a> {
     code: Vec<Inst>,
     origins: Vec<Origin>,
     pool: Vec<u32>,
-}
-
-/// Instructions of one function; jumps count from its first.
-#[derive(Default)]
-pub(in crate::interp) struct Body {
-    pub code: Vec<Inst>,
-    pub origins: Vec<Origin>,
-    pub pool: Vec<u32>,
-    /// Temporaries of each class.
-    pub temporaries: [u32; 3],
-    pub origin: Option<Origin>,
-    /// Why it has grown past what can be run.
-    pub overflow: bool,
 }
 
 /// Registers a program may have: half a million are 128 megabytes of `f32` a thread.

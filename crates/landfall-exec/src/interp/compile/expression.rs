@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use naga::{AddressSpace, Expression, Handle, Literal, ScalarKind, TypeInner};
 
-use super::super::code::{Axis, Class, Op, Reg};
+use super::super::code::{Access, Axis, Bound, Class, Dynamic, Op, Reg};
 use super::super::flatten::class;
 use super::super::program::Floats;
 use super::Global;
@@ -71,33 +71,9 @@ impl Function<'_, '_> {
             }
             Expression::AccessIndex { base, index } => return self.part(*base, *index),
             Expression::Access { base, index } => return self.part_at(*base, *index),
-            Expression::FunctionArgument(number) => {
-                let argument = &self.arguments[*number as usize];
-                let regs = argument.regs.clone();
-                if !argument.pointer {
-                    return Ok(Value::Regs(regs));
-                }
-                let root = Root::Variable(regs);
-                return Ok(self.whole(root, self.pointee(handle)?));
-            }
-            Expression::LocalVariable(local) => {
-                let root = Root::Variable(self.locals[local.index()].clone());
-                let ty = self.function.local_variables[*local].ty;
-                return Ok(self.whole(root, naga::proc::TypeResolution::Handle(ty)));
-            }
-            Expression::GlobalVariable(variable) => {
-                let global = self.globals[variable.index()].clone();
-                let variable = &self.b.ir.global_variables[*variable];
-                let ty = naga::proc::TypeResolution::Handle(variable.ty);
-                let root = match global {
-                    Global::Buffer { number, read_only } => Root::Buffer { number, read_only },
-                    Global::Private(regs) => Root::Variable(regs),
-                    Global::Image(number) => return Ok(Value::Regs([number].into())),
-                    Global::Refused(why) => return Err(why),
-                };
-                debug_assert!(variable.space != AddressSpace::Handle);
-                return Ok(self.whole(root, ty));
-            }
+            Expression::FunctionArgument(_)
+            | Expression::LocalVariable(_)
+            | Expression::GlobalVariable(_) => return self.variable(handle),
             Expression::Load { pointer } => {
                 let pointer = self.pointer(*pointer)?;
                 return self.load(&pointer);
@@ -112,43 +88,13 @@ impl Function<'_, '_> {
                 let (accept, reject) = (self.regs(*accept)?, self.regs(*reject)?);
                 self.select(&condition, &accept, &reject)
             }
-            Expression::Derivative { axis, ctrl, expr } => {
-                let from = self.regs(*expr)?;
-                let axis = match axis {
-                    naga::DerivativeAxis::X => Axis::X,
-                    naga::DerivativeAxis::Y => Axis::Y,
-                    naga::DerivativeAxis::Width => Axis::Width,
-                };
-                let op = match ctrl {
-                    naga::DerivativeControl::Coarse => Op::DerivativeCoarse(axis),
-                    naga::DerivativeControl::Fine | naga::DerivativeControl::None => {
-                        Op::DerivativeFine(axis)
-                    }
-                };
-                self.each1(op, Class::Real, &from)
-            }
+            Expression::Derivative { axis, ctrl, expr } => self.derivative(*axis, *ctrl, *expr)?,
             Expression::Relational { fun, argument } => self.relational(*fun, *argument)?,
             Expression::Math { fun, arg, arg1, arg2, arg3 } => {
                 self.math(*fun, *arg, [*arg1, *arg2, *arg3])?
             }
             Expression::As { expr, kind, convert } => self.cast(*expr, *kind, *convert)?,
-            Expression::ArrayLength(array) => {
-                let pointer = self.pointer(*array)?;
-                let inner = pointer.ty.inner_with(&self.b.ir.types);
-                let (Root::Buffer { number, .. }, TypeInner::Array { stride, .. }) =
-                    (&pointer.root, inner)
-                else {
-                    return Err("the length of what is no array in a buffer".into());
-                };
-                let bound =
-                    super::super::code::Bound::Runtime { offset: pointer.bytes, stride: *stride };
-                let dynamics = vec![super::super::code::Dynamic { strides: [0; 3], bound }];
-                let access = super::super::code::Access { buffer: *number, dynamics, change: None };
-                let access = self.b.access(access);
-                let to = self.b.temporary(Class::Word);
-                self.b.push(Op::ArrayLength(access), &[], &[to.0]);
-                [to].into()
-            }
+            Expression::ArrayLength(array) => [self.array_length(*array)?].into(),
             Expression::CallResult(_)
             | Expression::AtomicResult { .. }
             | Expression::WorkGroupUniformLoadResult { .. } => {
@@ -165,6 +111,78 @@ impl Function<'_, '_> {
             }
         };
         Ok(Value::Regs(regs))
+    }
+
+    /// An argument, a local variable or a global one.
+    fn variable(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
+        let arena = self.arena;
+        match &arena[handle] {
+            Expression::FunctionArgument(number) => {
+                let argument = &self.arguments[*number as usize];
+                let regs = argument.regs.clone();
+                if !argument.pointer {
+                    return Ok(Value::Regs(regs));
+                }
+                let root = Root::Variable(regs);
+                Ok(self.whole(root, self.pointee(handle)?))
+            }
+            Expression::LocalVariable(local) => {
+                let root = Root::Variable(self.locals[local.index()].clone());
+                let ty = self.function.local_variables[*local].ty;
+                Ok(self.whole(root, naga::proc::TypeResolution::Handle(ty)))
+            }
+            Expression::GlobalVariable(variable) => {
+                let global = self.globals[variable.index()].clone();
+                let variable = &self.b.ir.global_variables[*variable];
+                let ty = naga::proc::TypeResolution::Handle(variable.ty);
+                let root = match global {
+                    Global::Buffer { number, read_only } => Root::Buffer { number, read_only },
+                    Global::Private(regs) => Root::Variable(regs),
+                    Global::Image(number) => return Ok(Value::Regs([number].into())),
+                    Global::Refused(why) => return Err(why),
+                };
+                debug_assert!(variable.space != AddressSpace::Handle);
+                Ok(self.whole(root, ty))
+            }
+            _ => Err("a variable that is none".into()),
+        }
+    }
+
+    fn derivative(
+        &mut self,
+        axis: naga::DerivativeAxis,
+        control: naga::DerivativeControl,
+        of: Handle<Expression>,
+    ) -> Result<Rc<[Reg]>, String> {
+        let from = self.regs(of)?;
+        let axis = match axis {
+            naga::DerivativeAxis::X => Axis::X,
+            naga::DerivativeAxis::Y => Axis::Y,
+            naga::DerivativeAxis::Width => Axis::Width,
+        };
+        let op = match control {
+            naga::DerivativeControl::Coarse => Op::DerivativeCoarse(axis),
+            naga::DerivativeControl::Fine | naga::DerivativeControl::None => {
+                Op::DerivativeFine(axis)
+            }
+        };
+        Ok(self.each1(op, Class::Real, &from))
+    }
+
+    /// The number of elements of a runtime-sized array.
+    fn array_length(&mut self, array: Handle<Expression>) -> Result<Reg, String> {
+        let pointer = self.pointer(array)?;
+        let inner = pointer.ty.inner_with(&self.b.ir.types);
+        let (Root::Buffer { number, .. }, TypeInner::Array { stride, .. }) = (&pointer.root, inner)
+        else {
+            return Err("the length of what is no array in a buffer".into());
+        };
+        let bound = Bound::Runtime { offset: pointer.bytes, stride: *stride };
+        let dynamics = vec![Dynamic { strides: [0; 3], bound }];
+        let access = self.b.access(Access { buffer: *number, dynamics, change: None });
+        let to = self.b.temporary(Class::Word);
+        self.b.push(Op::ArrayLength(access), &[], &[to.0]);
+        Ok(to)
     }
 
     fn literal(&mut self, literal: Literal) -> Result<Reg, String> {

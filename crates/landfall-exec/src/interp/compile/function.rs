@@ -6,10 +6,11 @@ use naga::proc::TypeResolution;
 use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{Arena, Expression, Handle, LocalVariable, TypeInner};
 
+use super::super::body::{Compiled, CompiledArgument};
 use super::super::code::{Class, Op, Origin, Reg};
 use super::super::flatten::class;
 use super::super::program::{Floats, FunctionCode};
-use super::super::value::{ValueType, value_type};
+use super::super::value::value_type;
 use super::builder::Builder;
 use super::pointer::Pointer;
 use super::{Global, nowhere};
@@ -23,20 +24,6 @@ pub(super) enum Value {
     Pointer(Rc<Pointer>),
     /// What a buffer that nobody writes holds there: loaded where it is used.
     View(Rc<Pointer>),
-}
-
-/// A compiled function as its callers see it.
-pub(in crate::interp) struct Compiled {
-    pub arguments: Vec<CompiledArgument>,
-    pub result: Rc<[Reg]>,
-    pub result_type: Option<ValueType>,
-}
-
-pub(in crate::interp) struct CompiledArgument {
-    pub name: String,
-    pub regs: Rc<[Reg]>,
-    pub pointer: bool,
-    pub ty: Option<ValueType>,
 }
 
 /// Where the types of expressions stand.

@@ -3,6 +3,7 @@
 
 use std::rc::Rc;
 
+use naga::MathFunction as M;
 use naga::{Expression, Handle, MathFunction, Scalar, ScalarKind, TypeInner};
 
 use super::super::code::{Cast, Class, Cmp, F1, F2, F3, I2, Op, Reg};
@@ -32,42 +33,72 @@ impl Function<'_, '_> {
         if let Some(f) = single(fun) {
             return Ok(self.f1(f, scalar, &a));
         }
-        use MathFunction as M;
-        let n = a.len();
-        Ok(match fun {
-            M::Min => self.f2(F2::Min, scalar, &a, &b),
-            M::Max => self.f2(F2::Max, scalar, &a, &b),
-            M::Pow => self.f2(F2::Pow, scalar, &a, &b),
-            M::Atan2 => self.f2(F2::Atan2, scalar, &a, &b),
-            M::Step => self.f2(F2::Step, scalar, &a, &b),
-            M::Clamp => self.f3(F3::Clamp, scalar, &a, &b, &c),
-            M::Fma => self.f3(F3::Fma, scalar, &a, &b, &c),
-            M::Mix if scalar.width == 4 && self.b.rounds => self.mix_by_steps(&a, &b, &c),
+        let matrix = |fun| matches!(fun, M::Determinant | M::Inverse | M::Transpose);
+        let regs = match self.by_component(fun, scalar, [&a, &b, &c]) {
+            None if matrix(fun) => return self.matrix_math(fun, scalar, &inner, &a),
+            None => match self.geometric(fun, scalar, [&a, &b, &c]) {
+                None => self.packed(fun, &a),
+                regs => regs,
+            },
+            regs => regs,
+        };
+        regs.ok_or_else(|| format!("the function `{fun:?}` on these types"))
+    }
+
+    /// Functions of several operands that work component by component.
+    fn by_component(
+        &mut self,
+        fun: MathFunction,
+        scalar: Scalar,
+        [a, b, c]: [&[Reg]; 3],
+    ) -> Option<Rc<[Reg]>> {
+        Some(match fun {
+            M::Min => self.f2(F2::Min, scalar, a, b),
+            M::Max => self.f2(F2::Max, scalar, a, b),
+            M::Pow => self.f2(F2::Pow, scalar, a, b),
+            M::Atan2 => self.f2(F2::Atan2, scalar, a, b),
+            M::Step => self.f2(F2::Step, scalar, a, b),
+            M::Clamp => self.f3(F3::Clamp, scalar, a, b, c),
+            M::Fma => self.f3(F3::Fma, scalar, a, b, c),
+            M::Mix if scalar.width == 4 && self.b.rounds => self.mix_by_steps(a, b, c),
             M::SmoothStep if scalar.width == 4 && self.b.rounds => {
-                self.smoothstep_by_steps(&a, &b, &c)
+                self.smoothstep_by_steps(a, b, c)
             }
-            M::Mix => self.f3(F3::Mix, scalar, &a, &b, &c),
-            M::SmoothStep => self.f3(F3::SmoothStep, scalar, &a, &b, &c),
+            M::Mix => self.f3(F3::Mix, scalar, a, b, c),
+            M::SmoothStep => self.f3(F3::SmoothStep, scalar, a, b, c),
             M::Modf => {
-                let whole = self.f1(F1::Trunc, scalar, &a);
-                let fract = self.f2(F2::Sub, scalar, &a, &whole);
+                let whole = self.f1(F1::Trunc, scalar, a);
+                let fract = self.f2(F2::Sub, scalar, a, &whole);
                 fract.iter().chain(whole.iter()).copied().collect()
             }
             M::Frexp => {
-                let fract = self.f1(F1::FrexpFract, scalar, &a);
-                let from = self.as_real(scalar, &a);
+                let fract = self.f1(F1::FrexpFract, scalar, a);
+                let from = self.as_real(scalar, a);
                 let exponent = self.each1(Op::Cast(Cast::Exponent), Class::Word, &from);
                 fract.iter().chain(exponent.iter()).copied().collect()
             }
             M::Ldexp if scalar.width != 8 => {
-                let regs = self.each2(Op::Ldexp, Class::Real, &a, &b);
+                let regs = self.each2(Op::Ldexp, Class::Real, a, b);
                 self.narrowed(scalar, regs)
             }
+            _ => return None,
+        })
+    }
+
+    /// Functions of vectors as a whole: products, lengths, directions.
+    fn geometric(
+        &mut self,
+        fun: MathFunction,
+        scalar: Scalar,
+        [a, b, c]: [&[Reg]; 3],
+    ) -> Option<Rc<[Reg]>> {
+        let n = a.len();
+        Some(match fun {
             M::Dot => self.dots(scalar, &[(a.to_vec(), b.to_vec())]),
             M::Outer => {
                 let mut product = Vec::with_capacity(n * b.len());
                 for column in b.iter() {
-                    product.extend_from_slice(&self.f2(F2::Mul, scalar, &a, &[*column]));
+                    product.extend_from_slice(&self.f2(F2::Mul, scalar, a, &[*column]));
                 }
                 product.into()
             }
@@ -82,17 +113,17 @@ impl Function<'_, '_> {
                 let turn = |v: &[Reg], by: usize| -> Vec<Reg> {
                     (0..3).map(|i| v[(i + by) % 3]).collect()
                 };
-                let left = self.f2(F2::Mul, scalar, &turn(&a, 1), &turn(&b, 2));
-                let right = self.f2(F2::Mul, scalar, &turn(&a, 2), &turn(&b, 1));
+                let left = self.f2(F2::Mul, scalar, &turn(a, 1), &turn(b, 2));
+                let right = self.f2(F2::Mul, scalar, &turn(a, 2), &turn(b, 1));
                 self.f2(F2::Sub, scalar, &left, &right)
             }
-            M::Length => self.length(scalar, &a),
+            M::Length => self.length(scalar, a),
             M::Distance if scalar.width == 4 && !self.b.rounds => {
                 let operands: Vec<u32> = a.iter().chain(b.iter()).map(|reg| reg.0).collect();
                 self.fused(Op::Distance(n as u8), 1, &operands)
             }
             M::Distance => {
-                let between = self.f2(F2::Sub, scalar, &a, &b);
+                let between = self.f2(F2::Sub, scalar, a, b);
                 self.length(scalar, &between)
             }
             M::Normalize if scalar.width == 4 && !self.b.rounds => {
@@ -100,48 +131,62 @@ impl Function<'_, '_> {
                 self.fused(Op::Normalize(n as u8), n, &operands)
             }
             M::Normalize => {
-                let length = self.length(scalar, &a);
-                self.f2(F2::Div, scalar, &a, &length)
+                let length = self.length(scalar, a);
+                self.f2(F2::Div, scalar, a, &length)
             }
             M::FaceForward => {
                 let facing = self.dots(scalar, &[(c.to_vec(), b.to_vec())]);
                 let zero = self.number(scalar, 0.0);
                 let op = if scalar.width == 8 { Op::DCmp(Cmp::Lt) } else { Op::FCmp(Cmp::Lt) };
                 let condition = self.each2(op, Class::Word, &facing, &[zero]);
-                let away = self.f1(F1::Neg, scalar, &a);
-                self.select(&condition, &a, &away)
+                let away = self.f1(F1::Neg, scalar, a);
+                self.select(&condition, a, &away)
             }
             M::Reflect => {
                 let dot = self.dots(scalar, &[(b.to_vec(), a.to_vec())]);
                 let two = self.number(scalar, 2.0);
                 let twice = self.f2(F2::Mul, scalar, &[two], &dot);
-                let along = self.f2(F2::Mul, scalar, &twice, &b);
-                self.f2(F2::Sub, scalar, &a, &along)
+                let along = self.f2(F2::Mul, scalar, &twice, b);
+                self.f2(F2::Sub, scalar, a, &along)
             }
-            M::Refract => self.refract(scalar, &a, &b, &c),
-            M::Determinant | M::Inverse | M::Transpose => {
-                let TypeInner::Matrix { columns, rows, .. } = inner else {
-                    return Err("a matrix function of what is no matrix".into());
-                };
-                let (columns, rows) = (columns as usize, rows as usize);
-                match fun {
-                    M::Determinant => [self.determinant(scalar, &a, columns)].into(),
-                    M::Inverse => self.inverse(scalar, &a, columns),
-                    _ => (0..rows)
-                        .flat_map(|r| (0..columns).map(move |c| (c, r)))
-                        .map(|(c, r)| a[c * rows + r])
-                        .collect(),
-                }
-            }
-            M::Pack4x8snorm => self.pack(&a, 8, -1.0, 127.0, false),
-            M::Pack4x8unorm => self.pack(&a, 8, 0.0, 255.0, true),
-            M::Pack2x16snorm => self.pack(&a, 16, -1.0, 32767.0, false),
-            M::Pack2x16unorm => self.pack(&a, 16, 0.0, 65535.0, true),
+            M::Refract => self.refract(scalar, a, b, c),
+            _ => return None,
+        })
+    }
+
+    fn matrix_math(
+        &mut self,
+        fun: MathFunction,
+        scalar: Scalar,
+        ty: &TypeInner,
+        a: &[Reg],
+    ) -> Result<Rc<[Reg]>, String> {
+        let TypeInner::Matrix { columns, rows, .. } = *ty else {
+            return Err("a matrix function of what is no matrix".into());
+        };
+        let (columns, rows) = (columns as usize, rows as usize);
+        Ok(match fun {
+            M::Determinant => [self.determinant(scalar, a, columns)].into(),
+            M::Inverse => self.inverse(scalar, a, columns),
+            _ => (0..rows)
+                .flat_map(|r| (0..columns).map(move |c| (c, r)))
+                .map(|(c, r)| a[c * rows + r])
+                .collect(),
+        })
+    }
+
+    /// Functions that pack numbers into a word.
+    fn packed(&mut self, fun: MathFunction, a: &[Reg]) -> Option<Rc<[Reg]>> {
+        Some(match fun {
+            M::Pack4x8snorm => self.pack(a, 8, -1.0, 127.0, false),
+            M::Pack4x8unorm => self.pack(a, 8, 0.0, 255.0, true),
+            M::Pack2x16snorm => self.pack(a, 16, -1.0, 32767.0, false),
+            M::Pack2x16unorm => self.pack(a, 16, 0.0, 65535.0, true),
             M::Pack2x16float => {
-                let bits = self.each1(Op::Cast(Cast::HalfToBits), Class::Word, &a);
+                let bits = self.each1(Op::Cast(Cast::HalfToBits), Class::Word, a);
                 self.together(&bits, 16)
             }
-            other => return Err(format!("the function `{other:?}` on these types")),
+            _ => return None,
         })
     }
 
@@ -265,7 +310,6 @@ impl Function<'_, '_> {
 
 /// Functions of one operand, component by component.
 fn single(fun: MathFunction) -> Option<F1> {
-    use MathFunction as M;
     Some(match fun {
         M::Abs => F1::Abs,
         M::Saturate => F1::Saturate,

@@ -39,34 +39,11 @@ impl Function<'_, '_> {
                 Ok(None)
             }
             Statement::If { condition, accept, reject } => {
-                let condition = self.scalar(*condition)?;
-                let branch = self.b.push(Op::If(0), &[condition], &[]);
-                self.block(accept)?;
-                self.b.land(branch);
-                if !reject.is_empty() {
-                    let branch = self.b.push(Op::Else(0), &[], &[]);
-                    self.block(reject)?;
-                    self.b.land(branch);
-                }
-                Ok(Some(self.b.push(Op::EndIf(0), &[], &[])))
+                self.branch(*condition, accept, reject).map(Some)
             }
             Statement::Switch { selector, cases } => self.switch(*selector, cases).map(Some),
             Statement::Loop { body, continuing, break_if } => {
-                self.b.push(Op::Loop, &[], &[]);
-                let head = self.b.here();
-                let origin = self.b.body.origin;
-                self.block(body)?;
-                let leave = self.b.push(Op::Continuing(0), &[], &[]);
-                self.block(continuing)?;
-                if let Some(condition) = break_if {
-                    let condition = self.scalar(*condition)?;
-                    self.b.push(Op::BreakIf, &[condition], &[]);
-                }
-                // Its place is the loop's: that is what a loop without an end is named by.
-                self.b.body.origin = origin;
-                self.b.push(Op::Again(head), &[], &[]);
-                self.b.land(leave);
-                Ok(Some(self.b.push(Op::LoopEnd(0), &[], &[])))
+                self.repeat(body, continuing, *break_if).map(Some)
             }
             Statement::Break => {
                 self.b.push(Op::Break, &[], &[]);
@@ -128,6 +105,49 @@ impl Function<'_, '_> {
             | Statement::SubgroupCollectiveOperation { .. } => Err("subgroup operations".into()),
             Statement::CooperativeStore { .. } => Err("cooperative matrices".into()),
         }
+    }
+
+    /// An `if`; the instruction that leaves it.
+    fn branch(
+        &mut self,
+        condition: Handle<Expression>,
+        accept: &Block,
+        reject: &Block,
+    ) -> Result<u32, String> {
+        let condition = self.scalar(condition)?;
+        let branch = self.b.push(Op::If(0), &[condition], &[]);
+        self.block(accept)?;
+        self.b.land(branch);
+        if !reject.is_empty() {
+            let branch = self.b.push(Op::Else(0), &[], &[]);
+            self.block(reject)?;
+            self.b.land(branch);
+        }
+        Ok(self.b.push(Op::EndIf(0), &[], &[]))
+    }
+
+    /// A loop; the instruction that leaves it.
+    fn repeat(
+        &mut self,
+        body: &Block,
+        continuing: &Block,
+        break_if: Option<Handle<Expression>>,
+    ) -> Result<u32, String> {
+        self.b.push(Op::Loop, &[], &[]);
+        let head = self.b.here();
+        let origin = self.b.body.origin;
+        self.block(body)?;
+        let leave = self.b.push(Op::Continuing(0), &[], &[]);
+        self.block(continuing)?;
+        if let Some(condition) = break_if {
+            let condition = self.scalar(condition)?;
+            self.b.push(Op::BreakIf, &[condition], &[]);
+        }
+        // Its place is the loop's: that is what a loop without an end is named by.
+        self.b.body.origin = origin;
+        self.b.push(Op::Again(head), &[], &[]);
+        self.b.land(leave);
+        Ok(self.b.push(Op::LoopEnd(0), &[], &[]))
     }
 
     fn switch(

@@ -6,7 +6,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Access, Cast, D2, F1, F2, F3, I2, Op, Stored};
+use super::super::code::{Access, Cast, Class, D2, F1, F2, F3, I2, Op, Stored};
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::memory::elements;
@@ -206,17 +206,7 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::I2(f) => {
                 let (a, b) = (word(0), word(1));
-                let kind = match f {
-                    I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint if b == 0 => {
-                        Some(U::IntegerDivisionByZero)
-                    }
-                    I2::DivSint | I2::RemSint if a == 1 << 31 && b == u32::MAX => {
-                        Some(U::IntegerOverflow)
-                    }
-                    I2::Shl | I2::ShrSint | I2::ShrUint if b >= 32 => Some(U::ShiftTooFar),
-                    _ => None,
-                };
-                if let Some(kind) = kind {
+                if let Some(kind) = undefined_int(f, u64::from(a), u64::from(b), 32) {
                     let signed = matches!(f, I2::DivSint | I2::RemSint | I2::ShrSint);
                     let number = move |x: u32| {
                         if signed { f64::from(x as i32) } else { f64::from(x) }
@@ -226,17 +216,7 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::D2(D2::Int(f)) => {
                 let (a, b) = (wide(0), wide(1));
-                let kind = match f {
-                    I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint if b == 0 => {
-                        Some(U::IntegerDivisionByZero)
-                    }
-                    I2::DivSint | I2::RemSint if a == 1 << 63 && b == u64::MAX => {
-                        Some(U::IntegerOverflow)
-                    }
-                    I2::Shl | I2::ShrSint | I2::ShrUint if b >= 64 => Some(U::ShiftTooFar),
-                    _ => None,
-                };
-                if let Some(kind) = kind {
+                if let Some(kind) = undefined_int(f, a, b, 64) {
                     watch.see((pc, lane), kind, || vec![a as f64, b as f64]);
                 }
             }
@@ -248,18 +228,10 @@ impl<R: Real> Machine<'_, '_, R> {
                 }
             }
             Op::Cast(cast) => {
-                let (x, low, high) = match cast {
-                    Cast::RealToSint => (real(0), -2147483648.0, 2147483647.0),
-                    Cast::RealToUint => (real(0), 0.0, 4294967295.0),
-                    Cast::RealToSint64 => (real(0), i64::MIN as f64, i64::MAX as f64),
-                    Cast::RealToUint64 => (real(0), 0.0, u64::MAX as f64),
-                    Cast::DoubleToSint => (f64::from_bits(wide(0)), -2147483648.0, 2147483647.0),
-                    Cast::DoubleToUint => (f64::from_bits(wide(0)), 0.0, 4294967295.0),
-                    Cast::DoubleToSint64 => {
-                        (f64::from_bits(wide(0)), i64::MIN as f64, i64::MAX as f64)
-                    }
-                    Cast::DoubleToUint64 => (f64::from_bits(wide(0)), 0.0, u64::MAX as f64),
-                    _ => return,
+                let Some((from, low, high)) = whole_range(cast) else { return };
+                let x = match from {
+                    Class::Wide => f64::from_bits(wide(0)),
+                    Class::Real | Class::Word => real(0),
                 };
                 if !(x.trunc() >= low && x.trunc() <= high) {
                     watch.see((pc, lane), U::ConversionOutOfRange, || vec![x]);
@@ -362,6 +334,43 @@ impl<R: Real> Machine<'_, '_, R> {
         }
         self.watch = Some(watch);
     }
+}
+
+/// What no specification defines of an operation on integers of so many bits.
+fn undefined_int(f: I2, a: u64, b: u64, bits: u32) -> Option<UndefinedKind> {
+    let (lowest, ones) = (1 << (bits - 1), u64::MAX >> (64 - bits));
+    match f {
+        I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint if b == 0 => {
+            Some(UndefinedKind::IntegerDivisionByZero)
+        }
+        I2::DivSint | I2::RemSint if a == lowest && b == ones => {
+            Some(UndefinedKind::IntegerOverflow)
+        }
+        I2::Shl | I2::ShrSint | I2::ShrUint if b >= u64::from(bits) => {
+            Some(UndefinedKind::ShiftTooFar)
+        }
+        _ => None,
+    }
+}
+
+/// The class a conversion to whole numbers reads, and the least and the largest it gives.
+fn whole_range(cast: Cast) -> Option<(Class, f64, f64)> {
+    let sint = (f64::from(i32::MIN), f64::from(i32::MAX));
+    let uint = (0.0, f64::from(u32::MAX));
+    let sint64 = (i64::MIN as f64, i64::MAX as f64);
+    let uint64 = (0.0, u64::MAX as f64);
+    let (class, (low, high)) = match cast {
+        Cast::RealToSint => (Class::Real, sint),
+        Cast::RealToUint => (Class::Real, uint),
+        Cast::RealToSint64 => (Class::Real, sint64),
+        Cast::RealToUint64 => (Class::Real, uint64),
+        Cast::DoubleToSint => (Class::Wide, sint),
+        Cast::DoubleToUint => (Class::Wide, uint),
+        Cast::DoubleToSint64 => (Class::Wide, sint64),
+        Cast::DoubleToUint64 => (Class::Wide, uint64),
+        _ => return None,
+    };
+    Some((class, low, high))
 }
 
 fn undefined1(f: F1, x: f64) -> Option<UndefinedKind> {

@@ -77,16 +77,7 @@ impl<'m> Walk<'m> {
             Expression::Compose { ty, components } => {
                 let parts: Vec<Id> =
                     components.iter().map(|&part| self.value(frame, part)).collect();
-                let id = self.composed(&parts);
-                let wanted = match self.ir.types[*ty].inner {
-                    naga::TypeInner::Vector { size, .. } => size as usize,
-                    naga::TypeInner::Matrix { columns, .. } => columns as usize,
-                    _ => parts.len(),
-                };
-                if wanted == parts.len() {
-                    self.whole_parts.insert(id);
-                }
-                id
+                self.composite(*ty, &parts)
             }
             Expression::Splat { value, .. } => self.value(frame, *value),
             Expression::Access { base, index } => {
@@ -108,15 +99,7 @@ impl<'m> Walk<'m> {
             },
             Expression::Swizzle { size, vector, pattern } => {
                 let of = self.value(frame, *vector);
-                if self.graph.value(of).is_some() {
-                    of
-                } else {
-                    let mut way = [u8::MAX; 4];
-                    for (to, from) in way.iter_mut().zip(pattern).take(*size as usize) {
-                        *to = *from as u8;
-                    }
-                    self.graph.add(Op::Swizzle(way), &[of])
-                }
+                self.swizzled(of, &pattern[..*size as usize])
             }
             Expression::FunctionArgument(number) => match frame.arguments.get(*number as usize) {
                 Some(value) => return value.clone(),
@@ -132,12 +115,7 @@ impl<'m> Walk<'m> {
             }
             Expression::Unary { op, expr } => {
                 let of = self.value(frame, *expr);
-                match (op, self.graph.value(of)) {
-                    (naga::UnaryOperator::Negate, Some(number)) => self.graph.number(-number),
-                    (naga::UnaryOperator::Negate, None) => self.graph.add(Op::Negate, &[of]),
-                    (naga::UnaryOperator::LogicalNot, _) => self.graph.add(Op::Not, &[of]),
-                    (naga::UnaryOperator::BitwiseNot, _) => self.graph.opaque(&[of]),
-                }
+                self.unary(*op, of)
             }
             Expression::Binary { op, left, right } => {
                 let (a, b) = (self.value(frame, *left), self.value(frame, *right));
@@ -156,15 +134,7 @@ impl<'m> Walk<'m> {
                 let given = [Some(*arg), *arg1, *arg2, *arg3];
                 let args: Vec<Id> =
                     given.into_iter().flatten().map(|arg| self.value(frame, arg)).collect();
-                // `distance` is the length of a difference.
-                let id = match (fun, &args[..]) {
-                    (M::Distance, &[a, b]) => {
-                        let op = Op::Binary(naga::BinaryOperator::Subtract);
-                        let apart = self.graph.add(op, &[a, b]);
-                        self.graph.add(Op::Math(M::Length), &[apart])
-                    }
-                    _ => self.graph.add(Op::Math(*fun), &args),
-                };
+                let id = self.math(*fun, &args);
                 if let Some(span) = span {
                     let wide = self.is_four_wide(frame, *arg);
                     self.look_at_math(*fun, &args, id, span, wide);
@@ -173,36 +143,88 @@ impl<'m> Walk<'m> {
             }
             Expression::As { expr, .. } => {
                 let of = self.value(frame, *expr);
-                match self.graph.value(of) {
-                    Some(_) => of,
-                    None => self.graph.add(Op::Convert, &[of]),
-                }
+                let known = self.graph.value(of).is_some();
+                if known { of } else { self.graph.add(Op::Convert, &[of]) }
             }
             Expression::Relational { fun, argument } => {
                 let of = self.value(frame, *argument);
-                match fun {
-                    naga::RelationalFunction::All | naga::RelationalFunction::Any => {
-                        self.graph.add(Op::Convert, &[of])
-                    }
-                    _ => self.graph.opaque(&[of]),
-                }
+                self.relational(*fun, of)
             }
             Expression::ArrayLength(array) => {
                 let of = self.value(frame, *array);
-                match self.graph.as_leaf(of).cloned() {
-                    Some(leaf) => {
-                        let (key, path) =
-                            (format!("{}.length()", leaf.key), format!("{}.length()", leaf.path));
-                        let light = None;
-                        self.graph.leaf(super::graph::Leaf { key, path, light, role: None, ..leaf })
-                    }
-                    None => self.graph.opaque(&[of]),
-                }
+                self.array_length(of)
             }
             // Textures, derivatives, results of atomics: anything may come of them.
             _ => self.graph.opaque(&[]),
         };
         Value::Is(id)
+    }
+
+    /// A vector, matrix, array or structure of those parts.
+    fn composite(&mut self, ty: Handle<naga::Type>, parts: &[Id]) -> Id {
+        let id = self.composed(parts);
+        let wanted = match self.ir.types[ty].inner {
+            naga::TypeInner::Vector { size, .. } => size as usize,
+            naga::TypeInner::Matrix { columns, .. } => columns as usize,
+            _ => parts.len(),
+        };
+        if wanted == parts.len() {
+            self.whole_parts.insert(id);
+        }
+        id
+    }
+
+    fn swizzled(&mut self, of: Id, pattern: &[naga::SwizzleComponent]) -> Id {
+        if self.graph.value(of).is_some() {
+            return of;
+        }
+        let mut way = [u8::MAX; 4];
+        for (to, from) in way.iter_mut().zip(pattern) {
+            *to = *from as u8;
+        }
+        self.graph.add(Op::Swizzle(way), &[of])
+    }
+
+    fn unary(&mut self, op: naga::UnaryOperator, of: Id) -> Id {
+        match (op, self.graph.value(of)) {
+            (naga::UnaryOperator::Negate, Some(number)) => self.graph.number(-number),
+            (naga::UnaryOperator::Negate, None) => self.graph.add(Op::Negate, &[of]),
+            (naga::UnaryOperator::LogicalNot, _) => self.graph.add(Op::Not, &[of]),
+            (naga::UnaryOperator::BitwiseNot, _) => self.graph.opaque(&[of]),
+        }
+    }
+
+    /// A call of a math function; `distance` is the length of a difference.
+    fn math(&mut self, fun: M, args: &[Id]) -> Id {
+        match (fun, args) {
+            (M::Distance, &[a, b]) => {
+                let op = Op::Binary(naga::BinaryOperator::Subtract);
+                let apart = self.graph.add(op, &[a, b]);
+                self.graph.add(Op::Math(M::Length), &[apart])
+            }
+            _ => self.graph.add(Op::Math(fun), args),
+        }
+    }
+
+    fn relational(&mut self, fun: naga::RelationalFunction, of: Id) -> Id {
+        match fun {
+            naga::RelationalFunction::All | naga::RelationalFunction::Any => {
+                self.graph.add(Op::Convert, &[of])
+            }
+            _ => self.graph.opaque(&[of]),
+        }
+    }
+
+    fn array_length(&mut self, of: Id) -> Id {
+        match self.graph.as_leaf(of).cloned() {
+            Some(leaf) => {
+                let (key, path) =
+                    (format!("{}.length()", leaf.key), format!("{}.length()", leaf.path));
+                let light = None;
+                self.graph.leaf(super::graph::Leaf { key, path, light, role: None, ..leaf })
+            }
+            None => self.graph.opaque(&[of]),
+        }
     }
 
     fn selected(&mut self, condition: Id, yes: Id, no: Id) -> Id {

@@ -2,6 +2,7 @@
 
 use crate::ShaderLayout;
 use crate::source::Span;
+use crate::text::escape::is_bidi;
 
 /// The lines of some comments, markers taken off.
 pub(super) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
@@ -27,10 +28,7 @@ pub(super) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
 /// Text that neither ends nor opens a comment, holds no trigraph, no line continuation and no
 /// character that reorders text.
 pub(super) fn safe(text: &str) -> String {
-    let text: String = text
-        .chars()
-        .filter(|c| !c.is_control() && !matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{200e}' | '\u{200f}'))
-        .collect();
+    let text: String = text.chars().filter(|c| !c.is_control() && !is_bidi(*c)).collect();
     let mut text = text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?");
     while text.ends_with('\\') {
         text.pop();

@@ -1,7 +1,7 @@
 //! Identifiers of C and C++ from names of shaders: keywords, macros of the
 //! systems' own headers and clashes get out of the way, always the same one.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::ShaderLayout;
 use crate::layout::MemberLayout;
@@ -28,6 +28,8 @@ pub(super) struct Names {
     prefix: String,
     /// Types, macros and functions: one namespace, as the preprocessor has it.
     global: FxHashSet<String>,
+    /// The number that was given last to each name that is wanted several times.
+    numbers: FxHashMap<String, u32>,
     /// Structures and blocks of all shaders: no field is called like one of them, since C++
     /// takes a name inside a structure for one thing only.
     types: FxHashSet<String>,
@@ -41,7 +43,12 @@ impl Names {
             types.insert(identifier(&block.name));
             structures(&block.members, &mut types);
         }
-        Names { prefix: identifier_part(prefix), global: FxHashSet::default(), types }
+        Names {
+            prefix: identifier_part(prefix),
+            global: FxHashSet::default(),
+            numbers: FxHashMap::default(),
+            types,
+        }
     }
 
     /// A name for a type that nothing else in the header has.
@@ -72,18 +79,25 @@ impl Names {
 
     /// That name, or the first of `NAME_2`, `NAME_3`, … that is free.
     pub fn claim(&mut self, name: String) -> String {
-        let mut free = name.clone();
-        let mut number = 2;
-        while !self.global.insert(free.clone()) {
-            free = format!("{name}_{number}");
-            number += 1;
+        if self.global.insert(name.clone()) {
+            return name;
         }
+        let mut number = self.numbers.get(&name).copied().unwrap_or(1);
+        let free = loop {
+            number += 1;
+            let free = format!("{name}_{number}");
+            if self.global.insert(free.clone()) {
+                break free;
+            }
+        };
+        self.numbers.insert(name, number);
         free
     }
 
     /// Gives a name back.
     pub fn release(&mut self, name: &str) {
         self.global.remove(name);
+        self.numbers.clear();
     }
 
     /// A field's name, different from those in `others`.

@@ -1,5 +1,7 @@
 //! How C reaches each leaf of a block through its structure.
 
+use rustc_hash::FxHashMap;
+
 use super::CLeaf;
 use super::table::Section;
 use super::types::{Field, Types};
@@ -32,6 +34,7 @@ impl Mirror {
                 tail,
             });
         };
+        let fields = by_member(&self.fields);
         for member in &block.members {
             let tail = self.tail.as_ref().filter(|(field, _)| field.member == *member.name);
             match tail {
@@ -42,7 +45,7 @@ impl Mirror {
                     });
                 }
                 None => {
-                    let field = self.fields.iter().find(|field| field.member == *member.name);
+                    let field = fields.get(&*member.name);
                     let field = field.expect("every member before the tail has a field");
                     let access = format!(".{}{}", field.name, field.ty.access);
                     walk(types, member, field, access, "", &mut |path, access| {
@@ -68,13 +71,19 @@ fn walk(
     if member.members.is_empty() {
         return add(path, access);
     }
-    let fields = members_of(types, &field.ty.base);
+    let fields = by_member(members_of(types, &field.ty.base));
     for child in &member.members {
-        let field = fields.iter().find(|field| field.member == *child.name);
+        let field = fields.get(&*child.name);
         let field = field.expect("every member of a structure has a field");
         let access = format!("{access}.{}{}", field.name, field.ty.access);
         walk(types, child, field, access, &path, add);
     }
+}
+
+/// Fields by the name of their member in the shader.
+fn by_member(fields: &[Field]) -> FxHashMap<&str, &Field> {
+    // Of two the first counts, as in a search.
+    fields.iter().rev().map(|field| (field.member.as_str(), field)).collect()
 }
 
 /// The fields of a structure; of a padded element, those of what it pads.

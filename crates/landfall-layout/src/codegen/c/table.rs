@@ -1,6 +1,8 @@
 //! What a header says of one block beside its structure: macros for sizes,
 //! offsets and bindings, and the table of names.
 
+use rustc_hash::{FxHashMap, FxHashSet};
+
 use super::comments::safe;
 use super::names::{Names, snake};
 use super::reach::Mirror;
@@ -30,12 +32,21 @@ pub(super) struct Section {
     pub facts: String,
 }
 
+/// What the sections before one have taken.
+#[derive(Debug, Default)]
+pub(super) struct Earlier {
+    facts: FxHashSet<String>,
+    macros: FxHashSet<String>,
+    /// The number that was given last to each name of macros that is wanted several times.
+    numbers: FxHashMap<String, u32>,
+}
+
 /// Writes a block's section; `None` when an earlier one says the same of the same block.
 pub(super) fn section(
     block: &BlockLayout,
     shader: &ShaderLayout,
     mirror: &Mirror,
-    earlier: &[Section],
+    earlier: &mut Earlier,
     names: &mut Names,
 ) -> Option<Section> {
     let leaves: Vec<_> =
@@ -44,10 +55,11 @@ pub(super) fn section(
         "{} {:?} {:?} {:?} {:?} {:?} {leaves:?}",
         block.name, mirror.structure, block.size, block.group, block.binding, block.count
     );
-    if earlier.iter().any(|section| section.facts == facts) {
+    if !earlier.facts.insert(facts.clone()) {
         return None;
     }
     let macros = macros(block, earlier, names);
+    earlier.macros.insert(macros.clone());
     let mut text = heading(block, shader);
     constants(block, mirror, &macros, names, &mut text);
     let tail = tail(mirror, &macros, names, &mut text);
@@ -57,15 +69,25 @@ pub(super) fn section(
 }
 
 /// What a block's macros begin with: its name, and its instance or a number where that is taken.
-fn macros(block: &BlockLayout, earlier: &[Section], names: &Names) -> String {
-    let taken = |name: &str| earlier.iter().any(|section| section.macros == name);
+fn macros(block: &BlockLayout, earlier: &mut Earlier, names: &Names) -> String {
+    let taken = |name: &str| earlier.macros.contains(name);
     let mut wanted = names.upper(&block.name);
     if let (true, Some(instance)) = (taken(&wanted), &block.instance) {
         wanted = format!("{wanted}_{}", names.upper_part(instance));
     }
-    let numbered = (2..).map(|number| format!("{wanted}_{number}"));
-    let mut all = std::iter::once(wanted.clone()).chain(numbered);
-    all.find(|name| !taken(name)).expect("numbers have no end")
+    if !taken(&wanted) {
+        return wanted;
+    }
+    let mut number = earlier.numbers.get(&wanted).copied().unwrap_or(1);
+    let free = loop {
+        number += 1;
+        let free = format!("{wanted}_{number}");
+        if !taken(&free) {
+            break free;
+        }
+    };
+    earlier.numbers.insert(wanted, number);
+    free
 }
 
 fn heading(block: &BlockLayout, shader: &ShaderLayout) -> String {

@@ -5,6 +5,7 @@
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{Rules, Struct};
 use crate::source::{Files, Language, Span};
+use crate::text::escape;
 
 use super::array::{reach, tight_size};
 use super::plan::{by_offset, structure_align};
@@ -136,7 +137,10 @@ fn stores_rows(member: &MemberLayout) -> bool {
 /// File and line: the shader's name, or that of the include the span is in.
 fn place(at: &Origin<'_>, span: Span) -> String {
     let location = at.files.locate(span);
-    let path = if span.file == 0 { at.input } else { super::header::relative(&location.path) };
+    let path = match span.file {
+        0 => at.input.to_string(),
+        _ => escape::comment(super::header::relative(&location.path)),
+    };
     format!("`{path}:{}`", location.line)
 }
 
@@ -285,7 +289,7 @@ fn markdown(line: &str) -> String {
                 continue;
             }
             // rustc denies these in comments (`text_direction_codepoint_in_comment`).
-            '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => continue,
+            letter if escape::is_bidi(letter) => continue,
             letter if letter.is_control() => continue,
             '[' | ']' | '<' | '>' | '\\' | '`' | '*' | '|' if !inside => result.push('\\'),
             '#' | '+' if at == 0 => result.push('\\'),

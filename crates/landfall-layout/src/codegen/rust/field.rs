@@ -1,6 +1,6 @@
 //! What a member of a block is called in its mirror.
 //!
-//! Uses the naming of [`super::plan`]; read by [`emit::diff`](crate::format::diff).
+//! Uses the naming of [`super::plan`]; read by [`format::diff`](crate::format::diff).
 
 use super::names::{Scope, camel, snake};
 use crate::layout::{BlockLayout, MemberLayout};

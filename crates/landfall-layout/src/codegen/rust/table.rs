@@ -208,6 +208,12 @@ fn row(text: &mut String, indent: &str, ty: &str, leaf: &Leaf, block: &PlannedBl
 }
 
 fn shared(out: &Printer<'_>, text: &mut String) {
+    leaf_types(out, text);
+    look_up(out, text);
+}
+
+/// The type of a leaf, and that of the error of looking one up.
+fn leaf_types(out: &Printer<'_>, text: &mut String) {
     let public = out.visibility();
     let (leaf, error) = (&out.names.leaf, &out.names.lookup_error);
     let _ = write!(
@@ -271,9 +277,17 @@ impl core::fmt::Display for {error} {{
 
 impl core::error::Error for {error} {{}}
 
-/// The leaf of a path among leaves sorted by theirs. An empty index means the first element.
-#[allow(dead_code)]
 "
+    );
+}
+
+/// The function that finds the leaf of a path.
+fn look_up(out: &Printer<'_>, text: &mut String) {
+    let (leaf, error) = (&out.names.leaf, &out.names.lookup_error);
+    text.push_str(
+        "/// The leaf of a path among leaves sorted by theirs. An empty index means the first element.
+#[allow(dead_code)]
+",
     );
     let parameters = [format!("leaves: &[{leaf}]"), "path: &str".to_string()];
     let returns = format!(" -> Result<{leaf}, {error}> {{");

@@ -1,6 +1,6 @@
 //! A finding with its lines of text, drawn by annotate-snippets: the one place that names it.
 //!
-//! Fed by [`diagnostics`](super) and by [`findings`](landfall_lint::render).
+//! Fed by [`diagnostics`](super) and by `landfall_lint::render`.
 
 use annotate_snippets::{
     AnnotationKind, Element, Group, Level, Origin, Padding, Renderer, Snippet,
@@ -11,8 +11,8 @@ use super::excerpt::Excerpt;
 use crate::diagnostic::{Label, Severity};
 use crate::format::paint::Paint;
 use crate::format::place::Places;
-use crate::format::visible::visible;
 use crate::source::{Files, Location};
+use crate::text::escape::{name, visible};
 
 /// Columns an excerpt may take before annotate-snippets trims it: more than any line we hand over.
 const WIDTH: usize = 240;
@@ -65,7 +65,7 @@ impl<'a> Pen<'a> {
         let main = if drawing.origin.is_some() { None } else { Some(0) };
         let mut excerpts = excerpt::excerpts(drawing.labels, main, self.files, &mut self.places);
         for excerpt in &mut excerpts {
-            excerpt.path = visible(&excerpt.path);
+            excerpt.path = name(&excerpt.path).into_owned();
             notes.extend(excerpt.elsewhere.iter().map(|note| visible(note)));
         }
         let listing =
@@ -73,7 +73,7 @@ impl<'a> Pen<'a> {
         notes.extend(listing);
         let help = drawing.help.map(visible);
         if let Some(at) = &drawing.origin {
-            let origin = Origin::path(visible(&at.path));
+            let origin = Origin::path(name(&at.path).into_owned());
             elements.push(match at.line {
                 0 => origin.into(),
                 line => origin.line(line as usize).char_column(at.column as usize).into(),
@@ -92,7 +92,7 @@ impl<'a> Pen<'a> {
         // The column of a place in a line that was cut is counted in what was left of it.
         for cut in excerpts.iter().flat_map(|excerpt| &excerpt.cuts) {
             let Location { path, line, column } = &cut.at;
-            let path = visible(path);
+            let path = name(path);
             let shown = format!("{path}:{line}:{}", cut.shown_column);
             text = text.replacen(&shown, &format!("{path}:{line}:{column}"), 1);
         }

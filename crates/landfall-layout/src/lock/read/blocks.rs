@@ -1,18 +1,39 @@
 //! The layout of one shader: its blocks, their members and leaves.
 //!
-//! Goes by [`place`](super::place); [`spelling`](crate::lock::spelling) gives types, and
+//! Goes by [`place`](crate::lock::place); [`spelling`](crate::lock::spelling) gives types, and
 //! [`check`](crate::lock::check) holds what was read against itself.
 
 use std::sync::Arc;
 
-use super::place::{Object, Place, WRITE_AGAIN};
 use crate::error::Error;
 use crate::layout;
 use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
+use crate::lock::check::Within;
+use crate::lock::place::{Object, Place, WRITE_AGAIN};
 use crate::lock::{Lock, Verified, check, spelling};
 use crate::shape::{AddressSpace, ArrayLen, DEFAULT_BLOCK, Majorness, Member, Rules, Struct, Type};
-use crate::source::{Files, Language, Span, Stage};
+use crate::source::{Files, Language, Span, Stage, Target};
 use crate::text::json::{Node, Value};
+
+/// The keys of a block.
+const BLOCK_KEYS: &[&str] = &[
+    "name",
+    "instance",
+    "address_space",
+    "rules",
+    "rules_declared",
+    "group",
+    "binding",
+    "count",
+    "size",
+    "data_size",
+    "align",
+    "members",
+    "span",
+    "opaque",
+    "leaves",
+    "offsets",
+];
 
 /// Which of the two forms is read.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -33,14 +54,31 @@ impl Reader<'_> {
         object.known(
             place,
             match self.shape {
-                Shape::Lock => &["schema_version", "language", "blocks", "verified"],
-                Shape::Layout => &["path", "language", "stage", "includes", "overrides", "blocks"],
+                Shape::Lock => {
+                    &["schema_version", "language", "assumed_target", "blocks", "verified"]
+                }
+                Shape::Layout => &[
+                    "path",
+                    "language",
+                    "stage",
+                    "includes",
+                    "overrides",
+                    "assumed_target",
+                    "blocks",
+                ],
             },
         )?;
         let language =
             self.word(object, "language", &[Language::Glsl, Language::Wgsl], |l| l.name())?;
         let stage = match object.get("stage") {
             Some(node) => Stage::from_name(place.text(node, "stage")?),
+            None => None,
+        };
+        let assumed_target = match object.get("assumed_target") {
+            Some(_) => {
+                let all = [Target::OpenGl, Target::Vulkan];
+                Some(self.word(object, "assumed_target", &all, layout::targets::key)?)
+            }
             None => None,
         };
         let shader = object.get("path").map(|node| place.text(node, "path")).transpose()?;
@@ -57,7 +95,8 @@ impl Reader<'_> {
             None => Vec::new(),
         };
         let files = self.files.clone();
-        Ok(Lock { shader: shader.map(String::from), language, stage, blocks, verified, files })
+        let shader = shader.map(String::from);
+        Ok(Lock { shader, language, stage, blocks, verified, assumed_target, files })
     }
 
     fn required<'n>(&self, object: Object<'n>, key: &str) -> Result<&'n Node, Error> {
@@ -98,30 +137,25 @@ impl Reader<'_> {
         self.place.list(node, key)?.iter().map(|item| self.place.number(item, key)).collect()
     }
 
+    /// How many buffers a block is: none of these for one alone.
+    fn count(&self, object: Object<'_>) -> Result<Vec<ArrayLen>, Error> {
+        Ok(match (object.get("count"), self.shape) {
+            (Some(node), shape) => match self.place.number(node, "count")? {
+                1 if shape == Shape::Layout => Vec::new(),
+                n => vec![ArrayLen::Fixed(u32::try_from(n).unwrap_or(u32::MAX))],
+            },
+            // Null is a number that the text does not say; without the key there is one buffer.
+            (None, _) if object.entries.iter().any(|(key, _, _)| key == "count") => {
+                vec![ArrayLen::Runtime]
+            }
+            (None, _) => Vec::new(),
+        })
+    }
+
     fn block(&self, node: &Node, language: Language) -> Result<BlockLayout, Error> {
         let place = &self.place;
         let object = place.object(node, "a block")?;
-        object.known(
-            place,
-            &[
-                "name",
-                "instance",
-                "address_space",
-                "rules",
-                "rules_declared",
-                "group",
-                "binding",
-                "count",
-                "size",
-                "data_size",
-                "align",
-                "members",
-                "span",
-                "opaque",
-                "leaves",
-                "offsets",
-            ],
-        )?;
+        object.known(place, BLOCK_KEYS)?;
         let name_node = self.required(object, "name")?;
         let spaces = [
             AddressSpace::Uniform,
@@ -144,17 +178,7 @@ impl Reader<'_> {
         let leaf_paths = leaf_nodes.map(|nodes| self.leaf_paths(nodes)).transpose()?;
         let within = Within { language, loose, leaves: leaf_paths.as_deref() };
         let members = self.members(members, &within, "")?;
-        let count = match (object.get("count"), self.shape) {
-            (Some(node), shape) => match place.number(node, "count")? {
-                1 if shape == Shape::Layout => Vec::new(),
-                n => vec![ArrayLen::Fixed(u32::try_from(n).unwrap_or(u32::MAX))],
-            },
-            // Null is a number that the text does not say; without the key there is one buffer.
-            (None, _) if object.entries.iter().any(|(key, _, _)| key == "count") => {
-                vec![ArrayLen::Runtime]
-            }
-            (None, _) => Vec::new(),
-        };
+        let count = self.count(object)?;
         let opaque = match object.get("opaque") {
             Some(node) => place.list(node, "opaque")?,
             None => &[],
@@ -384,15 +408,6 @@ impl Reader<'_> {
             version: text("version")?,
         })
     }
-}
-
-/// What is known of a block while its members are read.
-pub(in crate::lock) struct Within<'n> {
-    pub language: Language,
-    /// Loose uniforms have names and types, and no numbers.
-    pub loose: bool,
-    /// The paths of its leaves, where the JSON lists them.
-    leaves: Option<&'n [&'n str]>,
 }
 
 /// Whether one of those leaves has that path.

@@ -1,57 +1,51 @@
 //! Blocks: `uniform NAME { … } instance[N];`, `buffer`, push constants and
 //! buffer references, with the rules and majorness in force.
 
+use super::ast::{BlockDecl, Qualifiers, Storage};
 use super::declarations::{Defaults, Named, Reader};
-use super::lexer::{Kind, Token};
 use super::members::{Place, majorness};
-use super::qualifiers::Qualifiers;
+use super::parser::diagnostic_at;
 use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, OffsetOrder, Rules};
 use crate::source::Target;
 
 impl<'a> Reader<'a> {
-    /// Reads a block, its qualifiers passed; the name is the current token.
-    pub(super) fn block(
-        &mut self,
-        qualifiers: &Qualifiers<'a>,
-        before: Token<'a>,
-        first: Token<'a>,
-    ) {
-        let name = self.bump();
+    /// Reads a block from its declaration.
+    pub(super) fn block(&mut self, block: &BlockDecl<'a>) {
+        let qualifiers = &block.qualifiers;
+        let name = self.parser.token_of(&block.name);
         let space = address_space(qualifiers);
         if space == AddressSpace::BufferReference {
             self.types.insert(name.text, Named::Reference);
         }
-        let comment = self.comments_before(&before, &first);
-        let open = self.bump();
-        let bindless = self.preprocessor.extensions.iter().any(|e| e.ends_with("bindless_texture"));
-        let errors = self.preprocessor.diagnostics.len();
-        let place = Place::Block { bindless, runtime_tail: qualifiers.buffer };
-        let mut read = self.members(place, &name);
-        if !self.close(&open) {
+        let comment = self.comments_before(block.tokens.start);
+        let errors = block.diagnostics;
+        let bindless =
+            self.parser.preprocessor().extensions.iter().any(|e| e.ends_with("bindless_texture"));
+        let runtime_tail = qualifiers.storage == Storage::Buffer;
+        let mut read = self.members(Place::Block { bindless, runtime_tail }, &name, &block.members);
+        if !block.closed {
             return;
         }
-        let mut instance = None;
         let mut count = Vec::new();
-        if self.token.kind == Kind::Name {
-            let token = self.bump();
-            for dim in self.dims() {
-                if dim.size.is_empty() {
+        if let Some(instance) = &block.instance {
+            let token = self.parser.token_of(instance);
+            for dim in &block.dims {
+                if dim.tokens.is_empty() {
                     count.push(ArrayLen::Runtime);
                     continue;
                 }
-                match self.array_size(&token, &dim) {
+                match self.array_size(&token, dim) {
                     Ok(size) => count.push(ArrayLen::Fixed(size)),
                     Err(diagnostic) => read.problems.push(diagnostic),
                 }
             }
-            instance = Some(token.text.into());
         }
-        self.end_of_statement();
-        let unread = self.preprocessor.diagnostics.len() > errors;
+        let instance = block.instance.map(|instance| instance.text.into());
+        let unread = self.parser.diagnostics().len() > errors;
         if read.members.is_empty() && read.problems.is_empty() && !unread {
             let message = format!("block `{}` has no members", name.text);
-            read.problems.push(self.diagnostic(&name, Code::EmptyStruct, message));
+            read.problems.push(diagnostic_at(&name, Code::EmptyStruct, message));
         }
         if let Some(id) = qualifiers.find("align") {
             // GLSL 4.60 §4.4.5: `align` on a block is as if on each member without its own.
@@ -76,15 +70,18 @@ impl<'a> Reader<'a> {
         };
         let group = number(self, "set");
         let binding = number(self, "binding");
-        let broken = !read.problems.is_empty() || self.preprocessor.diagnostics.len() > errors;
+        let broken = !read.problems.is_empty() || self.parser.diagnostics().len() > errors;
         for problem in std::mem::take(&mut read.problems) {
             self.report(problem);
         }
         if broken && self.has_error_since(errors) {
             return;
         }
-        let defaults =
-            if qualifiers.uniform { self.uniform_defaults } else { self.buffer_defaults };
+        let defaults = if qualifiers.storage == Storage::Uniform {
+            self.uniform_defaults
+        } else {
+            self.buffer_defaults
+        };
         let own = own_defaults(qualifiers);
         let written = match space {
             AddressSpace::Uniform
@@ -111,7 +108,7 @@ impl<'a> Reader<'a> {
             majorness: own.majorness.or(defaults.majorness).unwrap_or(Majorness::Column),
             members: read.members,
             opaque: read.opaque,
-            offset_order: match explicit.then(|| self.preprocessor.target()).flatten() {
+            offset_order: match explicit.then(|| self.parser.preprocessor().target()).flatten() {
                 Some(Target::Vulkan) => OffsetOrder::Any,
                 Some(Target::OpenGl) => OffsetOrder::Ascending,
                 None => OffsetOrder::Untold,
@@ -122,19 +119,20 @@ impl<'a> Reader<'a> {
     }
 
     fn has_error_since(&self, count: usize) -> bool {
-        let new = &self.preprocessor.diagnostics[count..];
+        let new = &self.parser.diagnostics()[count..];
         new.iter().any(|d| d.severity == crate::Severity::Error)
     }
 
     /// The comments on the lines before a declaration.
-    fn comments_before(&self, before: &Token<'a>, first: &Token<'a>) -> Vec<crate::Span> {
-        let mut all = self.comments_of(before, first);
+    fn comments_before(&mut self, start: usize) -> Vec<crate::Span> {
+        let first = self.parser.tokens()[start];
+        let mut all = self.comments_of(&(start..start + 1));
         all.retain(|comment| comment.file == first.span.file && comment.end <= first.span.start);
         all
     }
 
     /// The rules in force, and whether the text or the language says so.
-    fn rules(&self, written: Option<Option<Rules>>, space: AddressSpace) -> (Rules, bool) {
+    fn rules(&mut self, written: Option<Option<Rules>>, space: AddressSpace) -> (Rules, bool) {
         let fallback = match space {
             AddressSpace::Uniform | AddressSpace::Default => Rules::Std140,
             AddressSpace::Storage
@@ -155,7 +153,10 @@ impl<'a> Reader<'a> {
                     | AddressSpace::ShaderRecord => true,
                     AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::Default => false,
                 };
-                (fallback, vulkan_only || self.preprocessor.target() == Some(Target::Vulkan))
+                (
+                    fallback,
+                    vulkan_only || self.parser.preprocessor().target() == Some(Target::Vulkan),
+                )
             }
         }
     }
@@ -170,7 +171,7 @@ fn address_space(qualifiers: &Qualifiers<'_>) -> AddressSpace {
         || qualifiers.find("shaderRecordNV").is_some()
     {
         AddressSpace::ShaderRecord
-    } else if qualifiers.uniform {
+    } else if qualifiers.storage == Storage::Uniform {
         AddressSpace::Uniform
     } else {
         AddressSpace::Storage

@@ -1,13 +1,15 @@
 //! Constants that sizes are computed from: `const` variables and
 //! specialisation constants.
 
+use crate::diagnostic::Code;
 use rustc_hash::FxHashMap;
 
+use super::ast::{Declarator, LayoutId, Name, Qualifiers, Tokens};
 use super::declarations::Reader;
-use super::expression;
-use super::expression::{Names, Problem};
+use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::Token;
-use super::qualifiers::Qualifiers;
+use super::parser::diagnostic_at;
+use crate::diagnostic::Diagnostic;
 use crate::shape::Override;
 use crate::source::Span;
 use crate::syntax::constant::{Kind as Scalar, Value};
@@ -48,27 +50,27 @@ struct Lookup<'c, 'a> {
     depth: u32,
 }
 
-impl<'a> Names<'a> for Lookup<'_, 'a> {
-    fn value(&mut self, name: &Token<'a>) -> Result<Value, Problem> {
-        let Some(constant) = self.constants.by_name.get(name.text) else {
-            let message = if name.text.starts_with("gl_Max") {
-                format!("depends on the driver's `{0}`; give its value with `-D {0}=N`", name.text)
+impl Names for Lookup<'_, '_> {
+    fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem> {
+        let Some(constant) = self.constants.by_name.get(name) else {
+            let message = if name.starts_with("gl_Max") {
+                format!("depends on the driver's `{name}`; give its value with `-D {name}=N`")
             } else {
-                format!("is not constant: `{}` is no constant of this shader", name.text)
+                format!("is not constant: `{name}` is no constant of this shader")
             };
-            return Err(Problem::new(name.span, message));
+            return Err(Problem::new(span, message));
         };
         self.overrides.extend(&constant.overrides);
         match &constant.definition {
             Definition::Value(value) => {
-                value.clone().map_err(|problem| Problem::new(name.span, problem.message))
+                value.clone().map_err(|problem| Problem::new(span, problem.message))
             }
             Definition::Later(tokens) => {
                 if self.depth == DEEPEST_CHAIN {
-                    return Err(Problem::new(name.span, "goes through too many constants"));
+                    return Err(Problem::new(span, "goes through too many constants"));
                 }
                 self.depth += 1;
-                let value = expression::evaluate(tokens, name.span, self);
+                let value = evaluate_tokens(tokens, span, self);
                 self.depth -= 1;
                 value
             }
@@ -79,7 +81,7 @@ impl<'a> Names<'a> for Lookup<'_, 'a> {
 impl<'a> Constants<'a> {
     fn evaluate(&self, tokens: &[Token<'a>], span: Span) -> (Result<Value, Problem>, Vec<usize>) {
         let mut names = Lookup { constants: self, overrides: Vec::new(), depth: 0 };
-        let value = expression::evaluate(tokens, span, &mut names);
+        let value = evaluate_tokens(tokens, span, &mut names);
         (value, names.overrides)
     }
 }
@@ -88,9 +90,10 @@ impl<'a> Reader<'a> {
     /// The value of a whole-number constant expression that a size depends on.
     pub(super) fn constant_integer(
         &mut self,
-        tokens: &[Token<'a>],
+        tokens: &Tokens,
         span: Span,
     ) -> Result<i128, Problem> {
+        let tokens = &self.parser.tokens()[tokens.clone()];
         let (value, overrides) = self.constants.evaluate(tokens, span);
         for index in overrides {
             self.constants.used[index] = true;
@@ -102,15 +105,19 @@ impl<'a> Reader<'a> {
     /// Notes a `const`; `scalar` is its type when it is a single number.
     pub(super) fn add_constant(
         &mut self,
-        name: Token<'a>,
+        declarator: &Declarator<'a>,
         scalar: Option<Scalar>,
         qualifiers: &Qualifiers<'a>,
-        initialiser: Vec<Token<'a>>,
     ) {
+        let name = declarator.name;
+        let initialiser = &self.parser.tokens()[declarator.tokens.clone()];
         let constant = match scalar {
-            None => Constant { definition: Definition::Later(initialiser), overrides: Vec::new() },
+            None => {
+                let definition = Definition::Later(initialiser.to_vec());
+                Constant { definition, overrides: Vec::new() }
+            }
             Some(kind) => {
-                let (value, mut overrides) = self.constants.evaluate(&initialiser, name.span);
+                let (value, mut overrides) = self.constants.evaluate(initialiser, name.span);
                 let convert = |value: Value| {
                     let wrong = |_| Problem::new(name.span, "is given a value of another type");
                     value.convert(kind).map_err(wrong)
@@ -126,16 +133,35 @@ impl<'a> Reader<'a> {
         self.constants.by_name.insert(name.text, constant);
     }
 
+    /// The value of a layout entry, a whole number from 0.
+    pub(super) fn layout_number(&mut self, id: &LayoutId<'a>) -> Result<u64, Diagnostic> {
+        let name = self.parser.token_of(&id.name);
+        if id.tokens.is_empty() {
+            let message = format!("`{}` wants a number: `{} = N`", name.text, name.text);
+            return Err(diagnostic_at(&name, Code::LayoutQualifier, message));
+        }
+        let value = self.constant_integer(&id.tokens, name.span);
+        let value = value.map_err(|problem| {
+            let message = format!("the value of `{}` {}", name.text, problem.message);
+            Diagnostic::error(Code::LayoutQualifier, problem.span, message)
+        })?;
+        u64::try_from(value).map_err(|_| {
+            let message = format!("`{} = {value}` is negative", name.text);
+            diagnostic_at(&self.parser.tokens()[id.tokens.start], Code::LayoutQualifier, message)
+        })
+    }
+
     /// Notes a specialisation constant: its value is what `-O` gives, or its default.
     fn specialise(
         &mut self,
-        name: Token<'a>,
+        name: Name<'a>,
         kind: Scalar,
         qualifiers: &Qualifiers<'a>,
         default: Result<Value, Problem>,
     ) -> Result<Value, Problem> {
         let id = qualifiers.find("constant_id").and_then(|id| {
-            let value = self.constants.evaluate(&id.value, name.span).0.ok()?;
+            let tokens = &self.parser.tokens()[id.tokens.clone()];
+            let value = self.constants.evaluate(tokens, name.span).0.ok()?;
             u32::try_from(value.integer()?).ok()
         });
         let number = id.map(|id| id.to_string());

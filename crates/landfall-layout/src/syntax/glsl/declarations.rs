@@ -1,31 +1,24 @@
-//! The walk over a shader's global declarations: structures, blocks, loose
-//! uniforms and constants are read, everything else is passed over.
+//! The shape of a shader from its parsed declarations: structures, blocks, loose uniforms and
+//! constants; everything else is passed over.
 
-mod skip;
-
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
+use super::ast::{Declaration, Item, Qualifiers, Storage, TypeBase};
 use super::constants::Constants;
-use super::lexer::{Kind, Token};
-use super::preprocess::Preprocessor;
-use super::qualifiers::Qualifiers;
+use super::evaluate::kind_of;
+use super::lexer::Token;
+use super::members::TypeName;
+use super::parser::Parser;
+use super::types::{Builtin, builtin};
 use crate::diagnostic::Diagnostic;
-use crate::shape::{Block, Majorness, Member, Rules, Struct};
-use crate::source::{ReadOptions, Span};
-use crate::syntax::constant::Kind as Scalar;
+use crate::shape::{Block, Majorness, Member, Rules, Struct, Type};
+use crate::source::ReadOptions;
 
-/// Reads declarations from the preprocessor's tokens.
+/// Collects the shape of a shader from its declarations.
 pub(super) struct Reader<'a> {
-    pub preprocessor: Preprocessor<'a>,
-    /// The token to be read next.
-    pub token: Token<'a>,
-    /// The one after it, where it was looked at.
-    peeked: Option<Token<'a>>,
-    /// The token read last.
-    pub previous: Token<'a>,
+    pub parser: Parser<'a>,
     pub types: FxHashMap<&'a str, Named<'a>>,
     pub constants: Constants<'a>,
     pub uniform_defaults: Defaults,
@@ -35,8 +28,6 @@ pub(super) struct Reader<'a> {
     pub loose: Vec<Member>,
     /// Loose uniforms that are handles: their names.
     pub loose_opaque: Vec<Arc<str>>,
-    /// Structures whose members are being read, one inside the other.
-    pub open_structures: u32,
 }
 
 /// What `layout(…) uniform;` and `layout(…) buffer;` set for the blocks that follow.
@@ -61,29 +52,10 @@ pub(super) enum Named<'a> {
     },
 }
 
-/// `NAME [dims] [= initialiser]`, one of several after a type.
-pub(super) struct Declarator<'a> {
-    pub name: Token<'a>,
-    pub dims: Vec<Dim<'a>>,
-    pub initialiser: Vec<Token<'a>>,
-}
-
-/// `[ EXPRESSION ]` as written; empty for `[]`.
-#[derive(Clone, Debug)]
-pub(super) struct Dim<'a> {
-    pub size: Vec<Token<'a>>,
-    pub span: Span,
-}
-
 impl<'a> Reader<'a> {
-    pub fn new(mut preprocessor: Preprocessor<'a>) -> Reader<'a> {
-        let token = preprocessor.next();
-        let previous = Token { kind: Kind::End, text: "", ..token };
+    pub fn new(parser: Parser<'a>) -> Reader<'a> {
         Reader {
-            preprocessor,
-            token,
-            peeked: None,
-            previous,
+            parser,
             types: FxHashMap::default(),
             constants: Constants::default(),
             uniform_defaults: Defaults::default(),
@@ -91,261 +63,84 @@ impl<'a> Reader<'a> {
             blocks: Vec::new(),
             loose: Vec::new(),
             loose_opaque: Vec::new(),
-            open_structures: 0,
         }
     }
 
-    /// Reads the whole shader.
-    pub fn read(&mut self) {
-        while self.token.kind != Kind::End {
-            let (span, definition) = (self.token.span, self.token.definition);
-            self.declaration();
-            if (span, definition) == (self.token.span, self.token.definition) {
-                self.bump(); // a declaration always passes something, whatever it was
-            }
+    /// Reads the whole shader, and gives each declaration to `keep`.
+    pub fn read(&mut self, mut keep: impl FnMut(&mut Parser<'a>, Item<'a>)) {
+        while let Some(item) = self.parser.item() {
+            self.item(&item);
+            keep(&mut self.parser, item);
         }
         self.tell_unused_broken_types();
     }
 
-    pub fn options(&self) -> &'a ReadOptions {
-        self.preprocessor.options
-    }
-
-    /// Goes on to the next token; returns the one passed.
-    pub fn bump(&mut self) -> Token<'a> {
-        self.previous = self.token;
-        self.token = match self.peeked.take() {
-            Some(token) => token,
-            None => self.preprocessor.next(),
-        };
-        self.previous
-    }
-
-    pub fn peek(&mut self) -> Token<'a> {
-        *self.peeked.get_or_insert_with(|| self.preprocessor.next())
-    }
-
-    /// Passes that operator or bracket, or says that it is missing.
-    pub fn expect(&mut self, text: &str) -> bool {
-        if self.token.is(text) {
-            self.bump();
-            return true;
-        }
-        let found = match self.token.kind {
-            Kind::End => "the end of the file".to_string(),
-            _ => format!("`{}`", self.token.text),
-        };
-        let message = format!("expected `{text}`, found {found}");
-        let diagnostic = self.diagnostic(&self.token, Code::Syntax, message);
-        let after = Span { start: self.previous.span.end, ..self.previous.span };
-        self.report(match self.previous.kind {
-            Kind::End => diagnostic,
-            _ => diagnostic.with_label(after, format!("`{text}` may be missing here")),
-        });
-        false
-    }
-
-    /// A finding at a token, with the macro it came out of.
-    pub fn diagnostic(
-        &self,
-        token: &Token<'a>,
-        code: Code,
-        message: impl Into<String>,
-    ) -> Diagnostic {
-        let diagnostic = Diagnostic::error(code, token.span, message);
-        match token.definition {
-            Some(definition) => diagnostic.with_label(definition, "from this macro"),
-            None => diagnostic,
-        }
+    pub fn options(&mut self) -> &'a ReadOptions {
+        self.parser.preprocessor().options
     }
 
     pub fn report(&mut self, diagnostic: Diagnostic) {
-        self.preprocessor.report(diagnostic);
+        self.parser.report(diagnostic);
     }
 
-    pub fn report_at(&mut self, token: &Token<'a>, code: Code, message: impl Into<String>) {
-        let diagnostic = self.diagnostic(token, code, message);
-        self.report(diagnostic);
-    }
-
-    fn declaration(&mut self) {
-        match self.token.text {
-            ";" => {
-                self.bump();
-                return;
+    fn item(&mut self, item: &Item<'a>) {
+        match item {
+            Item::Defaults(qualifiers) => self.set_defaults(qualifiers),
+            Item::Block(block) => self.block(block),
+            // `layout(buffer_reference) buffer NAME;` ahead of its body.
+            Item::Requalified(qualifiers, name) => {
+                let buffer = qualifiers.storage == Storage::Buffer;
+                if buffer && qualifiers.find("buffer_reference").is_some() {
+                    self.types.insert(name.text, Named::Reference);
+                }
             }
-            "precision" => return self.skip_statement(),
-            "[" => return self.skip_balanced(),
-            _ => {}
-        }
-        let before = self.previous;
-        let first = self.token;
-        let qualifiers = self.qualifiers();
-        if self.token.is(";") && qualifiers.any {
-            self.set_defaults(&qualifiers);
-            self.bump();
-        } else if self.token.is("struct") {
-            self.variables_of_structure(&qualifiers, before, first);
-        } else if self.token.kind == Kind::Name {
-            let next = self.peek();
-            if next.is("{") && (qualifiers.uniform || qualifiers.buffer) {
-                self.block(&qualifiers, before, first);
-            } else if next.is("{") && qualifiers.other_storage {
-                // `in NAME { … } name[];` has locations, not bytes.
-                self.bump();
-                self.skip_balanced();
-                self.skip_statement();
-            } else if (next.is(";") || next.is(",")) && qualifiers.any {
-                self.requalification(&qualifiers);
-            } else {
-                self.variables(&qualifiers, before, first);
-            }
-        } else {
-            self.unexpected();
+            Item::Variables(declaration) => self.variables(declaration),
+            Item::Interface(_) | Item::Function(_) | Item::Precision(_) | Item::Other(_) => {}
         }
     }
 
     /// `layout(…) uniform;` sets defaults; so does `layout(…) buffer;`.
     fn set_defaults(&mut self, qualifiers: &Qualifiers<'a>) {
+        let defaults = match qualifiers.storage {
+            Storage::Uniform => &mut self.uniform_defaults,
+            Storage::Buffer => &mut self.buffer_defaults,
+            _ => return,
+        };
         let own = super::blocks::own_defaults(qualifiers);
-        for (named, defaults) in [
-            (qualifiers.uniform, &mut self.uniform_defaults),
-            (qualifiers.buffer, &mut self.buffer_defaults),
-        ] {
-            if named {
-                defaults.rules = own.rules.or(defaults.rules);
-                defaults.majorness = own.majorness.or(defaults.majorness);
-            }
-        }
+        defaults.rules = own.rules.or(defaults.rules);
+        defaults.majorness = own.majorness.or(defaults.majorness);
     }
 
-    /// `invariant gl_Position;`, or `layout(buffer_reference) buffer NAME;` ahead of its body.
-    fn requalification(&mut self, qualifiers: &Qualifiers<'a>) {
-        if qualifiers.buffer && qualifiers.find("buffer_reference").is_some() {
-            self.types.insert(self.token.text, Named::Reference);
+    /// `TYPE a, b;` or `struct NAME { … } a, b;`
+    fn variables(&mut self, declaration: &Declaration<'a>) {
+        let Declaration { qualifiers, ty, names, broken, .. } = declaration;
+        if *broken {
+            return; // a syntax error: said already
         }
-        self.skip_statement();
-    }
-
-    /// `struct NAME { … } a, b;`
-    fn variables_of_structure(
-        &mut self,
-        qualifiers: &Qualifiers<'a>,
-        before: Token<'a>,
-        first: Token<'a>,
-    ) {
-        let Some(named) = self.structure() else { return };
-        if self.token.is(";") {
-            self.bump();
-            return;
-        }
-        let dims = self.dims();
-        let declarators = self.declarators();
-        if qualifiers.uniform && !qualifiers.subroutine {
-            self.loose_uniforms(
-                super::members::TypeName::Declared(named),
-                &dims,
-                declarators,
-                before,
-                first,
-            );
-        }
-    }
-
-    /// `TYPE a, b;`, or a function.
-    fn variables(&mut self, qualifiers: &Qualifiers<'a>, before: Token<'a>, first: Token<'a>) {
-        let ty = self.bump();
-        if self.token.is("<") {
-            self.skip_angles();
-            if !qualifiers.uniform && !self.peek().is("(") {
-                // A value of such a type may have commas of its own kind in its initialiser.
-                return self.skip_statement();
-            }
-        }
-        let dims = self.dims();
-        if self.token.kind != Kind::Name {
-            return self.unexpected();
-        }
-        if self.peek().is("(") && !qualifiers.uniform {
-            return self.function();
-        }
-        let declarators = self.declarators();
+        let type_name = match &ty.base {
+            TypeBase::Struct(structure) => match self.structure(structure) {
+                Some(named) => TypeName::Declared(named),
+                None => return,
+            },
+            TypeBase::Name(_) => TypeName::Name(self.parser.tokens()[ty.at]),
+        };
         if qualifiers.subroutine {
             // A subroutine uniform is set by its own call and has no bytes.
-        } else if qualifiers.uniform {
-            let ty = super::members::TypeName::Name(ty);
-            self.loose_uniforms(ty, &dims, declarators, before, first);
-        } else if qualifiers.constant {
-            for declarator in declarators {
-                let scalar = match (ty.text, dims.len() + declarator.dims.len()) {
-                    ("int" | "int16_t" | "int8_t" | "int32_t", 0) => Some(Scalar::Int),
-                    ("uint" | "uint16_t" | "uint8_t" | "uint32_t", 0) => Some(Scalar::Uint),
-                    ("float" | "double", 0) => Some(Scalar::Float),
-                    ("bool", 0) => Some(Scalar::Bool),
-                    ("int64_t", 0) => Some(Scalar::Long),
-                    ("uint64_t", 0) => Some(Scalar::Ulong),
+        } else if qualifiers.storage == Storage::Uniform {
+            self.loose_uniforms(&type_name, declaration);
+        } else if let (true, TypeBase::Name(name)) = (qualifiers.constant, &ty.base) {
+            for declarator in names {
+                let kind = match builtin(name) {
+                    Some(Builtin::Data(Type::Scalar(scalar)))
+                        if ty.dims.is_empty() && declarator.dims.is_empty() =>
+                    {
+                        Some(kind_of(scalar))
+                    }
                     _ => None,
                 };
-                self.add_constant(declarator.name, scalar, qualifiers, declarator.initialiser);
+                self.add_constant(declarator, kind, qualifiers);
             }
         }
-    }
-
-    /// `NAME ( … ) ;` or `NAME ( … ) { … }`, its type passed.
-    fn function(&mut self) {
-        let name = self.bump();
-        self.skip_balanced();
-        if self.token.is("{") {
-            let open = self.token;
-            if !self.preprocessor.skip_body(&open) {
-                let message = format!("the body of `{}` is never closed", name.text);
-                self.report_at(&open, Code::UnclosedBrace, message);
-            }
-            self.previous = Token { text: "}", ..open };
-            self.token = self.preprocessor.next();
-        } else {
-            self.end_of_statement();
-        }
-    }
-
-    /// Reads `NAME [dims] [= …] , … ;`.
-    pub fn declarators(&mut self) -> Vec<Declarator<'a>> {
-        let mut declarators = Vec::new();
-        loop {
-            if self.token.kind != Kind::Name {
-                self.unexpected();
-                return declarators;
-            }
-            let name = self.bump();
-            let dims = self.dims();
-            let mut initialiser = Vec::new();
-            if self.token.is("=") {
-                self.bump();
-                initialiser = self.collect_until(&[",", ";"]);
-            }
-            declarators.push(Declarator { name, dims, initialiser });
-            if !self.token.is(",") {
-                break;
-            }
-            self.bump();
-        }
-        self.end_of_statement();
-        declarators
-    }
-
-    /// Reads `[…]` as often as it stands there.
-    pub fn dims(&mut self) -> Vec<Dim<'a>> {
-        let mut dims = Vec::new();
-        while self.token.is("[") {
-            let open = self.bump();
-            let size = self.collect_until(&["]"]);
-            let span = open.span.to(self.token.span);
-            if !self.expect("]") {
-                break;
-            }
-            dims.push(Dim { size, span });
-        }
-        dims
     }
 
     fn tell_unused_broken_types(&mut self) {

@@ -3,8 +3,7 @@
 use crate::diagnostic::Code;
 use std::rc::Rc;
 
-use super::expression;
-use super::expression::{Names, Problem};
+use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
 use super::preprocess::{Frame, Preprocessor, Profile, Version};
@@ -68,7 +67,10 @@ impl<'a> Preprocessor<'a> {
             "GL_core_profile" => !es && number >= 150 && profile == Profile::Core,
             "GL_compatibility_profile" => !es && profile == Profile::Compatibility,
             // GL_KHR_vulkan_glsl: `#define VULKAN 100`.
-            "VULKAN" if self.target() == Some(Target::Vulkan) => return Some("100"),
+            "VULKAN" => {
+                self.asked_for_vulkan.set(true);
+                return (self.target() == Some(Target::Vulkan)).then_some("100");
+            }
             _ => false,
         };
         there.then_some("1")
@@ -259,8 +261,32 @@ impl<'a> Preprocessor<'a> {
         if tokens.is_empty() {
             return Err(Problem::new(at, "is empty"));
         }
-        let value = expression::evaluate(&tokens, at, &mut Undefined { es: self.version.es })?;
+        let mut names = Undefined { es: self.version.es, met: Vec::new(), unevaluated: 0 };
+        let value = evaluate_tokens(&tokens, at, &mut names)?;
+        self.tell_undefined(&names.met);
         value.integer().map(|v| v != 0).ok_or_else(|| Problem::new(at, "is no whole number"))
+    }
+
+    /// GLSL ES 3.20 §3.4: a name that is no macro is an error in an `#if`; desktop compilers
+    /// take it for 0.
+    fn tell_undefined(&mut self, names: &[(String, Span)]) {
+        for (name, span) in names {
+            // Extensions and the macro of Vulkan are asked for by those that do not have them.
+            if name.starts_with("GL_") || self.undefined_told.contains(name) {
+                continue;
+            }
+            self.undefined_told.push(name.clone());
+            let message = format!("`{name}` is no macro: the condition takes it for 0");
+            let help =
+                format!("write `defined({name}) && {name}`, or define it with `-D {name}=N`");
+            let found = Diagnostic::warning(Code::UndefinedMacro, *span, message).with_help(help);
+            if self.version.es {
+                let message = format!("`{name}` is no macro, which GLSL ES has no value for");
+                self.report(Diagnostic { severity: crate::Severity::Error, message, ..found });
+            } else {
+                self.diagnostics.push(found);
+            }
+        }
     }
 
     fn in_condition(&self) -> bool {
@@ -349,6 +375,7 @@ impl<'a> Preprocessor<'a> {
         let compatibility = line.get(1).is_some_and(|t| t.is("compatibility"));
         let profile = if compatibility { Profile::Compatibility } else { Profile::Core };
         self.version = Version { number, es, profile };
+        self.version_declared = true;
     }
 
     /// An extension that is asked for is taken to be there, with its macro.
@@ -385,12 +412,28 @@ fn is_common_extension(name: &str, es: bool) -> bool {
 /// In an `#if`, a name that is no macro is 0.
 struct Undefined {
     es: bool,
+    /// The names that were met.
+    met: Vec<(String, Span)>,
+    /// Operands around the reader that are not evaluated.
+    unevaluated: u32,
 }
 
-impl<'a> Names<'a> for Undefined {
+impl Names for Undefined {
     const DIRECTIVE: bool = true;
 
-    fn value(&mut self, name: &Token<'a>) -> Result<Value, Problem> {
-        Ok(Value::Long(is_common_extension(name.text, self.es).into()))
+    fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem> {
+        let common = is_common_extension(name, self.es);
+        if !common && self.unevaluated == 0 {
+            self.met.push((name.to_string(), span));
+        }
+        Ok(Value::Long(common.into()))
+    }
+
+    fn begin_unevaluated(&mut self) {
+        self.unevaluated += 1;
+    }
+
+    fn end_unevaluated(&mut self) {
+        self.unevaluated -= 1;
     }
 }

@@ -3,12 +3,11 @@
 
 use crate::diagnostic::Code;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use super::lexer::{Kind, Lexer, Token};
 use super::preprocess::{Frame, Preprocessor};
 use crate::diagnostic::Diagnostic;
-use crate::source::{Span, read_text};
+use crate::source::{Span, decode_shader, normalized, read_bytes};
 
 /// Includes may nest this deep; beyond, a file includes itself without end.
 const DEEPEST_INCLUDE: usize = 64;
@@ -54,7 +53,10 @@ impl<'a> Preprocessor<'a> {
                     return;
                 }
                 let conditions = self.conditions.len();
-                self.frames.push(Frame::File { lexer: Lexer::new(text, file), conditions });
+                self.frames.push(Frame::File {
+                    lexer: Lexer::of_file(text, file, self.texts),
+                    conditions,
+                });
             }
             Err(error) => {
                 let message = format!("`{name}` {}", error.message);
@@ -101,9 +103,10 @@ impl<'a> Preprocessor<'a> {
             let text = self.files.get(file).map(|f| f.text.clone()).unwrap_or_default();
             return Ok((file, self.texts.alloc(text)));
         }
-        let text = read_text(path)?;
-        let text: Arc<str> = Arc::from(text.trim_start_matches('\u{feff}'));
+        let (text, foreign) = decode_shader(&shown, read_bytes(path, self.options.max_bytes)?)?;
+        let text = normalized(text.into());
         let file = self.files.add(shown.clone(), text.clone());
+        self.note_foreign(file, foreign);
         self.included.insert(shown, file);
         Ok((file, self.texts.alloc(text)))
     }

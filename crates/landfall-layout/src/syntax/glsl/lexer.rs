@@ -1,7 +1,10 @@
 //! GLSL tokens of one file, with their places. Comments are noted, not returned.
 //!
-//! Feeds [`preprocess`](super::preprocess); knows no macro and no directive.
+//! Feeds `preprocess`; knows no macro and no directive. A line ends with
+//! CR, LF or both (GLSL 4.60 §3.1); line continuations are taken out first, by `splice`.
 
+use super::preprocess::Texts;
+use super::splice::{self, Cuts};
 use crate::source::Span;
 
 /// What a token is.
@@ -56,6 +59,10 @@ pub struct Lexer<'a> {
     at: usize,
     file: u32,
     line_start: bool,
+    /// Where line continuations were, if there were any.
+    cuts: Option<Cuts>,
+    /// Where a comment begins that is never closed.
+    open_comment: Option<usize>,
 }
 
 /// What stands at the start of the next line that matters to a skipper.
@@ -72,14 +79,38 @@ pub enum Stop {
 }
 
 impl<'a> Lexer<'a> {
-    /// At the start of a file.
+    /// At the start of a text that has no line continuations.
     pub fn new(text: &'a str, file: u32) -> Lexer<'a> {
-        Lexer { text, at: 0, file, line_start: true }
+        Lexer { text, at: 0, file, line_start: true, cuts: None, open_comment: None }
     }
 
-    /// The byte it stands at.
+    /// At the start of a file; `texts` keeps it as it is without its line continuations.
+    pub fn of_file(text: &'a str, file: u32, texts: &'a Texts) -> Lexer<'a> {
+        match splice::splice(text) {
+            None => Lexer::new(text, file),
+            Some((clean, cuts)) => {
+                Lexer { cuts: Some(cuts), ..Lexer::new(texts.alloc(clean.into()), file) }
+            }
+        }
+    }
+
+    /// The byte of the file it stands at.
     pub fn offset(&self) -> u32 {
-        self.at as u32
+        match &self.cuts {
+            None => self.at as u32,
+            Some(cuts) => splice::end(cuts, self.at),
+        }
+    }
+
+    /// Whether lines were joined by line continuations.
+    pub fn is_spliced(&self) -> bool {
+        self.cuts.is_some()
+    }
+
+    /// Where the comment begins that the file never closes.
+    pub fn open_comment(&self) -> Option<Span> {
+        let start = self.open_comment?;
+        Some(self.span(start, start + 2))
     }
 
     /// The file it reads.
@@ -92,7 +123,16 @@ impl<'a> Lexer<'a> {
     }
 
     fn span_from(&self, start: usize) -> Span {
-        Span { file: self.file, start: start as u32, end: self.at as u32 }
+        self.span(start, self.at)
+    }
+
+    fn span(&self, start: usize, end: usize) -> Span {
+        let (start, end) = match &self.cuts {
+            None => (start as u32, end as u32),
+            Some(cuts) => (splice::start(cuts, start), splice::end(cuts, end)),
+        };
+        // The empty range behind a continuation that ends the text.
+        Span { file: self.file, start, end: end.max(start) }
     }
 
     /// The next token. Comments on the way are added to `comments`.
@@ -114,7 +154,7 @@ impl<'a> Lexer<'a> {
     pub fn rest_of_line(&mut self) -> &'a str {
         let start = self.at;
         let rest = &self.text.as_bytes()[start..];
-        self.at += memchr::memchr(b'\n', rest).unwrap_or(rest.len());
+        self.at += memchr::memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
         &self.text[start..self.at]
     }
 
@@ -146,7 +186,7 @@ impl<'a> Lexer<'a> {
             b'.' if self.byte(1).is_ascii_digit() => self.number(),
             b'"' => {
                 self.at += 1;
-                self.eat_while(|b| b != b'"' && b != b'\n');
+                self.eat_while(|b| !matches!(b, b'"' | b'\n' | b'\r'));
                 if self.byte(0) == b'"' {
                     self.at += 1;
                 }
@@ -198,18 +238,17 @@ impl<'a> Lexer<'a> {
         self.at += rest.iter().position(|&b| !want(b)).unwrap_or(rest.len());
     }
 
-    /// Passes whitespace, comments and continued lines; says whether there were any.
+    /// Passes whitespace and comments; says whether there were any.
     fn skip_blank(&mut self, comments: &mut Vec<Span>, stay_on_line: bool) -> bool {
         let start = self.at;
         loop {
             match self.byte(0) {
-                b'\n' if stay_on_line => break,
-                b'\n' => {
+                b'\n' | b'\r' if stay_on_line => break,
+                b'\n' | b'\r' => {
                     self.at += 1;
                     self.line_start = true;
                 }
-                b'\r' if stay_on_line && self.byte(1) == b'\n' => break,
-                b' ' | b'\t' | b'\r' | 0x0b | 0x0c => self.at += 1,
+                b' ' | b'\t' | 0x0b | 0x0c => self.at += 1,
                 b'/' if self.byte(1) == b'/' => {
                     let from = self.at;
                     self.line_comment();
@@ -217,13 +256,9 @@ impl<'a> Lexer<'a> {
                 }
                 b'/' if self.byte(1) == b'*' => {
                     let from = self.at;
-                    // A comment that is never closed runs to the end; the reader reports it.
                     self.block_comment();
                     comments.push(self.span_from(from));
                 }
-                // GLSL 4.60 §3.2: a backslash before the end of a line joins it with the next.
-                b'\\' if self.byte(1) == b'\n' => self.at += 2,
-                b'\\' if self.byte(1) == b'\r' && self.byte(2) == b'\n' => self.at += 3,
                 _ => break,
             }
         }
@@ -231,31 +266,26 @@ impl<'a> Lexer<'a> {
     }
 
     fn line_comment(&mut self) {
-        loop {
-            let rest = &self.text.as_bytes()[self.at..];
-            let Some(end) = memchr::memchr(b'\n', rest) else {
-                self.at = self.text.len();
-                return;
-            };
-            let line = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
-            if line.last() != Some(&b'\\') {
-                self.at += line.len();
-                return;
-            }
-            self.at += end + 1;
-        }
+        let rest = &self.text.as_bytes()[self.at..];
+        self.at += memchr::memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
     }
 
+    /// Passes a comment; one that is never closed runs to the end, and the reader reports it.
     fn block_comment(&mut self) {
         let rest = &self.text.as_bytes()[self.at + 2..];
         match memchr::memmem::find(rest, b"*/") {
             Some(end) => self.at += 2 + end + 2,
-            None => self.at = self.text.len(),
+            None => {
+                self.open_comment = Some(self.at);
+                self.at = self.text.len();
+            }
         }
     }
 
     /// Passes text nobody reads up to the next brace or directive.
     pub fn skip_to_brace(&mut self) -> Stop {
+        let mut seen = Seen { to: self.at, blank: self.line_start };
+        self.line_start = false;
         loop {
             let rest = &self.text.as_bytes()[self.at..];
             let found = rest.iter().position(|b| matches!(b, b'{' | b'}' | b'/' | b'#'));
@@ -271,15 +301,21 @@ impl<'a> Lexer<'a> {
                 }
                 b'}' => {
                     self.at += 1;
-                    self.line_start = false;
                     return Stop::Close;
                 }
-                b'#' if self.starts_line() => {
+                b'#' if seen.line_is_blank(self.text, self.at) => {
                     self.line_start = true;
                     return Stop::Directive;
                 }
-                b'/' if self.byte(1) == b'/' => self.line_comment(),
-                b'/' if self.byte(1) == b'*' => self.block_comment(),
+                b'/' if matches!(self.byte(1), b'/' | b'*') => {
+                    let blank = seen.line_is_blank(self.text, self.at);
+                    if self.byte(1) == b'/' {
+                        self.line_comment();
+                    } else {
+                        self.block_comment();
+                    }
+                    seen = Seen { to: self.at, blank };
+                }
                 _ => self.at += 1,
             }
         }
@@ -294,11 +330,19 @@ impl<'a> Lexer<'a> {
             }
         }
     }
+}
 
-    /// Whether only blanks stand between the start of the line and here.
-    fn starts_line(&self) -> bool {
-        let before = &self.text.as_bytes()[..self.at];
-        let blank = before.iter().rev().find(|b| !matches!(b, b' ' | b'\t' | b'\r'));
-        matches!(blank, None | Some(b'\n'))
+/// How far a skipped text was looked at, and whether its line was blank but for comments there.
+struct Seen {
+    to: usize,
+    blank: bool,
+}
+
+impl Seen {
+    /// Whether only blanks and comments stand between the start of the line and `at`.
+    fn line_is_blank(&self, text: &str, at: usize) -> bool {
+        let before = &text.as_bytes()[self.to..at];
+        let last = before.iter().rposition(|b| !matches!(b, b' ' | b'\t' | 0x0b | 0x0c));
+        last.map_or(self.blank, |last| matches!(before[last], b'\n' | b'\r'))
     }
 }

@@ -8,16 +8,16 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
 
-use super::declarations::{Declarator, Dim, Named, Reader};
+use super::ast::{
+    Declaration, Declarator, Dim, LayoutId, Qualifiers, StructDecl, Tokens, TypeBase,
+};
+use super::declarations::{Named, Reader};
 use super::lexer::{Kind, Token};
-use super::qualifiers::Qualifiers;
+use super::parser::diagnostic_at;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{ArrayLen, DEEPEST_NESTING, Majorness, Member, Struct, Type, Written};
 use crate::source::Span;
 pub(super) use resolve::{Resolved, TypeName};
-
-/// Structures may be declared inside each other this deep; the language forbids it altogether.
-const DEEPEST_STRUCTURE: u32 = 16;
 
 /// The members between two braces.
 #[derive(Default)]
@@ -42,41 +42,24 @@ pub(super) enum Place {
 }
 
 impl<'a> Reader<'a> {
-    /// `struct [NAME] { … }`; `None` when it could not be read to its end.
-    pub(super) fn structure(&mut self) -> Option<Named<'a>> {
-        let keyword = self.bump();
-        let name = if self.token.kind == Kind::Name { self.bump() } else { keyword };
-        let anonymous = name.is("struct");
-        let open = self.token;
-        if !self.expect("{") {
-            self.recover();
-            return None;
-        }
-        if self.open_structures == DEEPEST_STRUCTURE {
-            let message = format!(
-                "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
-            );
-            self.report_at(&name, Code::NestedTooDeep, message);
-            self.preprocessor.stopped = true;
-            return None;
-        }
-        self.open_structures += 1;
-        let mut read = self.members(Place::Struct, &name);
-        self.open_structures -= 1;
-        if !self.close(&open) {
+    /// The type a structure declares; `None` when it could not be parsed to its end.
+    pub(super) fn structure(&mut self, structure: &StructDecl<'a>) -> Option<Named<'a>> {
+        let name = self.parser.token_of(&structure.name);
+        let mut read = self.members(Place::Struct, &name, &structure.members);
+        if !structure.closed {
             return None;
         }
         if read.members.is_empty() && read.opaque.is_empty() && read.problems.is_empty() {
             let message = "a structure has at least one member";
-            read.problems.push(self.diagnostic(&name, Code::EmptyStruct, message));
+            read.problems.push(diagnostic_at(&name, Code::EmptyStruct, message));
         }
         let named = if read.problems.is_empty() {
-            let text = if anonymous { "" } else { name.text };
+            let text = structure.name.text;
             Named::Struct(Arc::new(Struct::new(text.into(), read.members, read.opaque, name.span)))
         } else {
             Named::Broken { name, why: read.problems, told: false }
         };
-        if !anonymous {
+        if !structure.name.text.is_empty() {
             self.declare_type(name, named.clone());
         }
         Some(named)
@@ -90,81 +73,61 @@ impl<'a> Reader<'a> {
         };
         if let Some(before) = before {
             let message = format!("structure `{}` is declared twice", name.text);
-            let diagnostic = self.diagnostic(&name, Code::DuplicateName, message);
+            let diagnostic = diagnostic_at(&name, Code::DuplicateName, message);
             self.report(diagnostic.with_label(before, "declared before here"));
         }
         self.types.insert(name.text, named);
     }
 
-    /// Passes `}`; says what was left open if it is not there.
-    pub(super) fn close(&mut self, open: &Token<'a>) -> bool {
-        if self.token.is("}") {
-            self.bump();
-            return true;
-        }
-        if self.token.kind == Kind::End {
-            self.report_at(open, Code::UnclosedBrace, "`{` is never closed");
-        } else {
-            self.recover();
-        }
-        false
-    }
-
-    /// The members up to `}`. `owner` names the structure or block in messages.
-    pub(super) fn members(&mut self, place: Place, owner: &Token<'a>) -> Members {
+    /// The members of a structure or block. `owner` names it in messages.
+    pub(super) fn members(
+        &mut self,
+        place: Place,
+        owner: &Token<'a>,
+        declarations: &[Declaration<'a>],
+    ) -> Members {
         let mut result = Members::default();
-        while !self.token.is("}") && self.token.kind != Kind::End {
-            if self.token.is(";") {
-                self.bump();
-                continue;
-            }
-            let errors = self.preprocessor.diagnostics.len();
-            let position = self.token.span;
-            self.member(place, owner, &mut result);
-            if self.preprocessor.diagnostics.len() > errors && position == self.token.span {
-                break; // nothing was passed: the rest is no member list
-            }
+        for declaration in declarations {
+            self.member(place, owner, declaration, &mut result);
         }
         result
     }
 
-    fn member(&mut self, place: Place, owner: &Token<'a>, result: &mut Members) {
-        let before = self.previous;
-        let first = self.token;
-        let qualifiers = self.qualifiers();
-        let ty = if self.token.is("struct") {
-            match self.structure() {
+    fn member(
+        &mut self,
+        place: Place,
+        owner: &Token<'a>,
+        declaration: &Declaration<'a>,
+        result: &mut Members,
+    ) {
+        let Declaration { tokens, qualifiers, ty: spec, names, broken } = declaration;
+        let ty = match &spec.base {
+            TypeBase::Struct(structure) => match self.structure(structure) {
                 Some(named) => TypeName::Declared(named),
                 None => return,
-            }
-        } else if self.token.kind == Kind::Name {
-            TypeName::Name(self.bump())
-        } else {
-            let message =
-                format!("unexpected `{}` among the members of `{}`", self.token.text, owner.text);
-            self.report_at(&self.token.clone(), Code::Syntax, message);
-            return self.recover_member();
+            },
+            TypeBase::Name(_) => TypeName::Name(self.parser.tokens()[spec.at]),
         };
         if let (Place::Struct, Some(id)) = (place, qualifiers.layout.first()) {
             // GLSL 4.60 §4.1.8: members of a structure take no layout qualifiers.
             let message = format!("`{}` does not go on a member of a structure", id.name.text);
-            let diagnostic = self.diagnostic(&id.name, Code::LayoutQualifier, message);
+            let token = self.parser.token_of(&id.name);
+            let diagnostic = diagnostic_at(&token, Code::LayoutQualifier, message);
             let help = format!("write it on the member of the block that is a `{}`", owner.text);
             result.problems.push(diagnostic.with_help(help));
         }
-        let type_dims = self.dims();
-        let errors = self.preprocessor.diagnostics.len();
-        let declarators = self.declarators();
-        if self.preprocessor.diagnostics.len() > errors {
+        if *broken {
             return; // a syntax error: said already
         }
-        let comment = self.comments_of(&before, &first);
+        let comment = self.comments_of(tokens);
+        let last_declaration = self.parser.tokens().get(tokens.end).is_some_and(|t| t.is("}"));
         let resolved = self.resolve(&ty, owner, &mut result.problems);
-        let last = declarators.len().wrapping_sub(1);
-        for (index, Declarator { name, dims, .. }) in declarators.iter().enumerate() {
+        let last = names.len().wrapping_sub(1);
+        for (index, Declarator { name, dims, .. }) in names.iter().enumerate() {
+            let name = &self.parser.token_of(name);
             if result.taken.contains(name.text) {
                 let message = format!("`{}` has two members named `{}`", owner.text, name.text);
-                result.problems.push(self.diagnostic(name, Code::DuplicateName, message));
+                result.problems.push(diagnostic_at(name, Code::DuplicateName, message));
                 continue;
             }
             let data = match (&resolved, place) {
@@ -182,26 +145,15 @@ impl<'a> Reader<'a> {
                     continue;
                 }
             };
-            let tail = index == last && self.token.is("}");
+            let tail = index == last && last_declaration;
             let runtime = matches!(place, Place::Block { runtime_tail: true, .. }) && tail;
-            match self.build_member(name, data, dims, &type_dims, &qualifiers, runtime) {
+            match self.build_member(name, data, dims, &spec.dims, qualifiers, runtime) {
                 Ok(mut member) => {
                     member.comment = comment.clone();
                     result.taken.insert(Arc::clone(&member.name));
                     result.members.push(member);
                 }
                 Err(diagnostic) => result.problems.push(diagnostic),
-            }
-        }
-    }
-
-    /// After a syntax error among members: on to the next `;` or before the closing brace.
-    fn recover_member(&mut self) {
-        while !matches!(self.token.text, ";" | "}") && self.token.kind != Kind::End {
-            if matches!(self.token.text, "(" | "[" | "{") {
-                self.skip_balanced();
-            } else {
-                self.bump();
             }
         }
     }
@@ -230,21 +182,18 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn written(&mut self, id: &super::qualifiers::LayoutId<'a>) -> Result<Written, Diagnostic> {
+    fn written(&mut self, id: &LayoutId<'a>) -> Result<Written, Diagnostic> {
         Ok(Written { value: self.layout_number(id)?, span: id.name.span })
     }
 
     /// `align = N`: a power of two (GLSL 4.60 §4.4.5).
-    pub(super) fn alignment(
-        &mut self,
-        id: &super::qualifiers::LayoutId<'a>,
-    ) -> Result<Written, Diagnostic> {
+    pub(super) fn alignment(&mut self, id: &LayoutId<'a>) -> Result<Written, Diagnostic> {
         let written = self.written(id)?;
         if !written.value.is_power_of_two() {
             let message = format!("`align = {}` is no power of two", written.value);
             let next = written.value.max(1).next_power_of_two();
-            return Err(self
-                .diagnostic(&id.name, Code::LayoutQualifier, message)
+            let name = self.parser.token_of(&id.name);
+            return Err(diagnostic_at(&name, Code::LayoutQualifier, message)
                 .with_help(format!("write `align = {next}`")));
         }
         Ok(written)
@@ -266,11 +215,11 @@ impl<'a> Reader<'a> {
                 "`{}` nests structures and arrays {depth} deep, landfall takes {DEEPEST_NESTING}",
                 name.text
             );
-            return Err(self.diagnostic(name, Code::NestedTooDeep, message));
+            return Err(diagnostic_at(name, Code::NestedTooDeep, message));
         }
         let mut ty = element;
         for (index, dim) in all.iter().enumerate().rev() {
-            let len = if dim.size.is_empty() {
+            let len = if dim.tokens.is_empty() {
                 if !(runtime && index == 0) {
                     return Err(self.unsized_array(name, dim.span));
                 }
@@ -296,23 +245,23 @@ impl<'a> Reader<'a> {
         name: &Token<'a>,
         dim: &Dim<'a>,
     ) -> Result<u32, Diagnostic> {
-        let fail = |this: &Self, span: Span, message: String| {
+        let tokens = &self.parser.tokens()[dim.tokens.clone()];
+        let first = tokens[0];
+        let macros: Vec<_> = tokens.iter().filter_map(|t| Some((t.span, t.definition?))).collect();
+        let fail = |span: Span, message: String| {
             let diagnostic = Diagnostic::error(Code::ArraySize, span, message);
-            match dim.size.iter().find(|t| t.span == span).and_then(|t| t.definition) {
+            let found =
+                macros.iter().find(|(of, _)| *of == span).map(|(_, definition)| *definition);
+            match found.or(first.definition) {
                 Some(definition) => diagnostic.with_label(definition, "from this macro"),
-                None => match dim.size.first().and_then(|t| t.definition) {
-                    Some(definition) if this.token.kind != Kind::Text => {
-                        diagnostic.with_label(definition, "from this macro")
-                    }
-                    _ => diagnostic,
-                },
+                None => diagnostic,
             }
         };
-        let value = match self.constant_integer(&dim.size, dim.span) {
+        let value = match self.constant_integer(&dim.tokens, dim.span) {
             Ok(value) => value,
             Err(problem) => {
                 let message = format!("the size of array `{}` {}", name.text, problem.message);
-                return Err(fail(self, problem.span, message));
+                return Err(fail(problem.span, message));
             }
         };
         match u32::try_from(value) {
@@ -323,7 +272,7 @@ impl<'a> Reader<'a> {
                     "array `{}` has size {value}, but an array has {bound} element",
                     name.text
                 );
-                Err(fail(self, dim.size[0].span, message))
+                Err(fail(first.span, message))
             }
         }
     }
@@ -340,7 +289,7 @@ impl<'a> Reader<'a> {
             ty.text(),
             owner.text
         );
-        self.diagnostic(name, Code::OpaqueInBlock, message).with_help(format!(
+        diagnostic_at(name, Code::OpaqueInBlock, message).with_help(format!(
             "declare `uniform {} {};` outside the block",
             ty.text(),
             name.text
@@ -348,19 +297,14 @@ impl<'a> Reader<'a> {
     }
 
     /// `uniform TYPE a, b;` outside a block.
-    pub(super) fn loose_uniforms(
-        &mut self,
-        ty: TypeName<'a>,
-        type_dims: &[Dim<'a>],
-        declarators: Vec<Declarator<'a>>,
-        before: Token<'a>,
-        first: Token<'a>,
-    ) {
+    pub(super) fn loose_uniforms(&mut self, ty: &TypeName<'a>, declaration: &Declaration<'a>) {
+        let first = self.parser.tokens()[declaration.tokens.start];
         let mut problems = Vec::new();
         let owner = Token { text: "", ..first };
-        let resolved = self.resolve(&ty, &owner, &mut problems);
-        let comment = self.comments_of(&before, &first);
-        for Declarator { name, dims, .. } in &declarators {
+        let resolved = self.resolve(ty, &owner, &mut problems);
+        let comment = self.comments_of(&declaration.tokens);
+        for Declarator { name, dims, .. } in &declaration.names {
+            let name = &self.parser.token_of(name);
             let data = match &resolved {
                 Resolved::Data(data) => data.clone(),
                 Resolved::Opaque => {
@@ -370,7 +314,7 @@ impl<'a> Reader<'a> {
                 Resolved::Broken => continue,
             };
             // `uniform float a[];` takes its size from its use; it has no offset to be wrong.
-            match self.array(name, data, dims, type_dims, true) {
+            match self.array(name, data, dims, &declaration.ty.dims, true) {
                 Ok(ty) => self.loose.push(Member {
                     comment: comment.clone(),
                     ..Member::plain(name.text.into(), ty, name.span)
@@ -383,28 +327,29 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The comments of a declaration that was just read to its `;`: those on the lines before
-    /// it, inside it, and after it on its last line.
-    pub(super) fn comments_of(&self, before: &Token<'a>, first: &Token<'a>) -> Vec<Span> {
-        let all = &self.preprocessor.comments;
-        let end = self.previous;
+    /// The comments of a declaration: those on the lines before it, inside it, and after it on
+    /// its last line.
+    pub(super) fn comments_of(&mut self, tokens: &Tokens) -> Vec<Span> {
+        let before = self.parser.before(tokens.start);
+        let (first, end) = (self.parser.tokens()[tokens.start], self.parser.before(tokens.end));
+        let after = self.parser.tokens().get(tokens.end).map_or(end.comments, |t| t.comments);
+        let preprocessor = self.parser.preprocessor();
         let range = |from: u32, to: u32| {
+            let all = &preprocessor.comments;
             all.get(from as usize..to as usize).unwrap_or_default().iter().copied()
         };
+        // Whether a comment begins on the line on which a token ends.
+        let same_line = |token: Span, comment: Span| {
+            token.file == comment.file && token.end <= comment.start && {
+                let between = Span { start: token.end, end: comment.start, ..token };
+                !preprocessor.files.text(between).contains('\n')
+            }
+        };
         let leading = range(before.comments, first.comments)
-            .filter(|c| before.kind == Kind::End || !self.same_line(before.span, *c));
+            .filter(|c| before.kind == Kind::End || !same_line(before.span, *c));
         let inside = range(first.comments, end.comments);
-        let trailing =
-            range(end.comments, self.token.comments).filter(|c| self.same_line(end.span, *c));
+        let trailing = range(end.comments, after).filter(|c| same_line(end.span, *c));
         leading.chain(inside).chain(trailing).collect()
-    }
-
-    /// Whether a comment begins on the line on which a token ends.
-    fn same_line(&self, token: Span, comment: Span) -> bool {
-        token.file == comment.file && token.end <= comment.start && {
-            let between = Span { start: token.end, end: comment.start, ..token };
-            !self.preprocessor.files.text(between).contains('\n')
-        }
     }
 }
 

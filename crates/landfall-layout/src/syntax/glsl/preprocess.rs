@@ -6,7 +6,7 @@
 mod expand;
 
 use crate::diagnostic::Code;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -16,8 +16,9 @@ use typed_arena::Arena;
 use super::directive::Condition;
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
+use super::target::{self, Decision};
 use crate::diagnostic::Diagnostic;
-use crate::source::{Files, ReadOptions, Span, Target};
+use crate::source::{Files, Foreign, ReadOptions, Span, Target};
 
 /// Errors reported for one shader; more say nothing new.
 const MOST_ERRORS: usize = 100;
@@ -33,6 +34,8 @@ pub struct Preprocessor<'a> {
     pub(super) macros: FxHashMap<&'a str, Rc<Macro<'a>>>,
     /// Names that `#undef` took away: the language's own macros are among them.
     pub(super) undefined: Vec<&'a str>,
+    /// Names in conditions that are no macros, and were reported.
+    pub(super) undefined_told: Vec<String>,
     pub(super) conditions: Vec<Condition>,
     pub(super) frames: Vec<Frame<'a>>,
     /// Texts included so far, by path, so that a file is read once.
@@ -41,9 +44,13 @@ pub struct Preprocessor<'a> {
     pub(super) comments: Vec<Span>,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) version: Version,
-    /// The shader's own text, which tells the API it is for when somebody asks.
-    text: &'a str,
-    target: OnceCell<Option<Target>>,
+    /// Whether a `#version` was read.
+    pub(super) version_declared: bool,
+    /// The shader's own text, which shows the API it is for.
+    text: Arc<str>,
+    decision: OnceCell<Decision>,
+    /// Whether the text asks for the macro `VULKAN`.
+    pub(super) asked_for_vulkan: Cell<bool>,
     pub(super) extensions: Vec<&'a str>,
     /// The directives obeyed so far: the `#` of each.
     pub(super) obeyed: Vec<Span>,
@@ -100,6 +107,7 @@ impl<'a> Preprocessor<'a> {
     ) -> Preprocessor<'a> {
         let mut files = Files::default();
         let file = files.add(path, text.clone());
+        let whole = text.clone();
         let text: &'a str = texts.alloc(text.clone());
         let mut preprocessor = Preprocessor {
             texts,
@@ -107,15 +115,18 @@ impl<'a> Preprocessor<'a> {
             files,
             macros: FxHashMap::default(),
             undefined: Vec::new(),
+            undefined_told: Vec::new(),
             conditions: Vec::new(),
-            frames: vec![Frame::File { lexer: Lexer::new(text, file), conditions: 0 }],
+            frames: vec![Frame::File { lexer: Lexer::of_file(text, file, texts), conditions: 0 }],
             included: FxHashMap::default(),
             included_bytes: 0,
             comments: Vec::new(),
             diagnostics: Vec::new(),
             version: Version { number: 110, es: false, profile: Profile::Core },
-            text,
-            target: OnceCell::new(),
+            version_declared: false,
+            text: whole,
+            decision: OnceCell::new(),
+            asked_for_vulkan: Cell::new(false),
             extensions: Vec::new(),
             obeyed: Vec::new(),
             bodies: Vec::new(),
@@ -130,10 +141,25 @@ impl<'a> Preprocessor<'a> {
         preprocessor
     }
 
-    /// The API the text is for; `None` when neither the text nor the caller says.
+    /// The API the text is read for; `None` when it is OpenGL's for want of a reason.
     pub fn target(&self) -> Option<Target> {
-        let given = self.options.target;
-        *self.target.get_or_init(|| given.or_else(|| super::target::target_of(self.text)))
+        match self.decision() {
+            Decision::Known(target) => Some(target),
+            Decision::Assumed(Target::Vulkan) => Some(Target::Vulkan),
+            Decision::Assumed(Target::OpenGl) | Decision::Either => None,
+        }
+    }
+
+    /// How the API was found.
+    pub fn decision(&self) -> Decision {
+        *self.decision.get_or_init(|| match self.options.target {
+            Some(target) => Decision::Known(target),
+            None => {
+                let version = self.version_declared.then_some(self.version);
+                let path = self.files.get(0).map_or("", |file| &file.path);
+                target::decide(path, &self.text, self.options, version)
+            }
+        })
     }
 
     /// A text that lives as long as the tokens.
@@ -151,6 +177,18 @@ impl<'a> Preprocessor<'a> {
         if self.directive_errors >= MOST_ERRORS {
             self.stopped = true;
         }
+    }
+
+    /// Notes once a file that bytes of it are not UTF-8.
+    pub fn note_foreign(&mut self, file: u32, foreign: Option<Foreign>) {
+        let Some(Foreign { first, count }) = foreign else { return };
+        let span = Span { file, start: first, end: first };
+        let bytes = if count == 1 { "1 byte is".to_string() } else { format!("{count} bytes are") };
+        let message = format!("{bytes} not UTF-8 and read as Latin-1");
+        self.diagnostics.push(
+            Diagnostic::warning(Code::NotUtf8, span, message)
+                .with_note("GLSL takes any byte in a comment, but not outside"),
+        );
     }
 
     /// The next token with macros expanded.
@@ -186,7 +224,7 @@ impl<'a> Preprocessor<'a> {
                     match token.kind {
                         Kind::Punctuation if token.first && token.is("#") => self.directive(token),
                         Kind::End => {
-                            self.end_of_file(token.span);
+                            self.end_of_file();
                             if self.frames.len() == 1 {
                                 return token;
                             }
@@ -200,17 +238,53 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// What a file leaves open: a comment, conditions.
-    fn end_of_file(&mut self, end: Span) {
-        let last = self.comments.last().copied().filter(|comment| comment.file == end.file);
-        if let Some(comment) = last.filter(|comment| comment.end == end.end) {
-            let text = self.files.text(comment);
-            if text.starts_with("/*") && (text.len() < 4 || !text.ends_with("*/")) {
-                let span = Span { end: comment.start + 2, ..comment };
-                let message = "`/*` is never closed";
-                self.report(Diagnostic::error(Code::UnclosedComment, span, message));
+    fn end_of_file(&mut self) {
+        let open = match self.frames.last() {
+            Some(Frame::File { lexer, .. }) => lexer.open_comment(),
+            _ => None,
+        };
+        if let Some(span) = open {
+            let message = "`/*` is never closed";
+            self.report(Diagnostic::error(Code::UnclosedComment, span, message));
+        }
+        if let Some(Frame::File { lexer, .. }) = self.frames.last() {
+            if lexer.is_spliced() && !self.has_continuations() {
+                let file = lexer.file();
+                self.tell_continued_comments(file);
             }
         }
         self.check_open_conditions();
+    }
+
+    /// Whether the version has line continuations: GLSL 4.20, ES 3.00, and
+    /// GL_ARB_shading_language_420pack.
+    fn has_continuations(&self) -> bool {
+        !self.version_declared
+            || self.version.number >= if self.version.es { 300 } else { 420 }
+            || self.extensions.contains(&"GL_ARB_shading_language_420pack")
+    }
+
+    /// In a version without line continuations compilers differ on where a `//` ends that has a
+    /// backslash as its last character: Mesa goes on to the next line, glslang does not.
+    fn tell_continued_comments(&mut self, file: u32) {
+        let continued = |comment: &&Span| {
+            let text = self.files.text(**comment);
+            let mut lines = text.split(['\n', '\r']).skip(1).map(str::trim);
+            comment.file == file
+                && text.starts_with("//")
+                && lines.any(|line| !line.is_empty() && !line.starts_with("//"))
+        };
+        let Some(comment) = self.comments.iter().find(continued).copied() else { return };
+        let number = self.version.number;
+        let message = "a backslash continues this comment on the next line";
+        self.diagnostics.push(
+            Diagnostic::warning(Code::LineContinuation, comment, message)
+                .with_note(format!(
+                    "version {number} has no line continuation: Mesa's compiler reads it so, \
+                     glslang's reads the next line as code"
+                ))
+                .with_help("end the comment with another character than the backslash"),
+        );
     }
 
     fn end(&self) -> Token<'a> {
@@ -249,7 +323,7 @@ impl<'a> Preprocessor<'a> {
                         self.directive(token);
                     }
                     Stop::End if self.frames.len() > 1 => {
-                        self.end_of_file(open.span);
+                        self.end_of_file();
                         self.frames.pop();
                     }
                     Stop::End => return false,

@@ -1,10 +1,15 @@
 //! The tokens of a shader's own file as they stand in its text, macros not
 //! expanded: what an edit of the text needs to know.
 
+use std::borrow::Cow;
+
 use rustc_hash::FxHashSet;
 
-use super::lexer::{Kind, Lexer};
+use super::ast::Item;
+use super::lexer::{Kind, Lexer, Token};
+use super::parser::Parser;
 use super::preprocess::{Preprocessor, Texts};
+use super::splice;
 use crate::source::{Files, ReadOptions, Source, Span, Target};
 
 /// A token of the text.
@@ -37,6 +42,61 @@ pub struct RawText {
     pub target: Option<Target>,
 }
 
+/// A global declaration of the text as it stands, macros not expanded.
+#[derive(Debug)]
+pub struct RawDeclaration<'a> {
+    /// Its tokens, by their places in [`RawText::tokens`]; directives and text that a condition
+    /// leaves out may stand between them.
+    pub tokens: Vec<usize>,
+    /// What it declares; ranges in it are of the tokens that the compiler reads.
+    pub item: Item<'a>,
+}
+
+impl RawText {
+    /// The places of the tokens the compiler reads, directives left out.
+    pub fn code(&self) -> Vec<usize> {
+        let all = self.tokens.iter().enumerate();
+        all.filter(|(_, t)| t.active && t.directive.is_none()).map(|(at, _)| at).collect()
+    }
+
+    /// The global declarations in order.
+    pub fn declarations<'a>(&self, text: &'a str) -> Vec<RawDeclaration<'a>> {
+        let code = self.code();
+        let places = code.iter().map(|&at| &self.tokens[at]);
+        let places = places.map(|token| (token.kind, token.start, token.end));
+        let mut parser = Parser::over(lexed(text, places));
+        let mut all = Vec::new();
+        loop {
+            let start = parser.position();
+            let Some(item) = parser.item() else { return all };
+            all.push(RawDeclaration { tokens: code[start..parser.position()].to_vec(), item });
+        }
+    }
+}
+
+/// Tokens for the parser, by their kinds and places in a text.
+pub(crate) fn lexed<'a>(
+    text: &'a str,
+    places: impl Iterator<Item = (Kind, usize, usize)>,
+) -> Vec<Token<'a>> {
+    let mut before = 0;
+    let token = |(kind, start, end): (Kind, usize, usize)| {
+        let gap = &text[before..start];
+        before = end;
+        Token {
+            kind,
+            text: &text[start..end],
+            span: Span { file: 0, start: start as u32, end: end as u32 },
+            definition: None,
+            comments: 0,
+            first: gap.contains('\n') || gap.len() == start,
+            spaced: !gap.is_empty(),
+            frozen: true,
+        }
+    };
+    places.map(token).collect()
+}
+
 /// Reads the tokens of a shader's own file.
 pub fn read(source: &Source, options: &ReadOptions) -> RawText {
     let texts = Texts::new();
@@ -52,7 +112,7 @@ pub fn read(source: &Source, options: &ReadOptions) -> RawText {
         }
     }
     seen.extend(preprocessor.obeyed.iter().filter(|span| span.file == 0).map(|span| span.start));
-    let mut tokens = lex(&source.text);
+    let mut tokens = lex(&source.text, &texts);
     mark_active(&mut tokens, &seen);
     RawText {
         tokens,
@@ -87,12 +147,12 @@ pub fn flattened(source: &Source, options: &ReadOptions) -> String {
     let mut text = String::with_capacity(body.len() + 256);
     for span in &preprocessor.obeyed {
         let Some(file) = preprocessor.files.get(span.file) else { continue };
-        let line = file.text[span.start as usize..].lines().next().unwrap_or_default();
+        let line = logical_line(&file.text[span.start as usize..]);
         let name = line.trim_start_matches('#').trim_start();
         let kept = name.starts_with("version") && span.file == 0
             || name.starts_with("extension") && !name.contains("include");
         if kept {
-            text.push_str(line);
+            text.push_str(&line);
             text.push('\n');
         }
     }
@@ -101,8 +161,24 @@ pub fn flattened(source: &Source, options: &ReadOptions) -> String {
     text
 }
 
-fn lex(text: &str) -> Vec<RawToken> {
-    let mut lexer = Lexer::new(text, 0);
+/// The first line of a text, joined with those that continue it.
+fn logical_line(text: &str) -> Cow<'_, str> {
+    let mut end = 0;
+    loop {
+        let rest = &text[end..];
+        let line = rest.split(['\n', '\r']).next().unwrap_or_default();
+        end += line.len();
+        if !line.ends_with('\\') || end == text.len() {
+            break;
+        }
+        end += if text[end..].starts_with("\r\n") { 2 } else { 1 };
+    }
+    let line = &text[..end];
+    splice::splice(line).map_or(Cow::Borrowed(line), |(clean, _)| Cow::Owned(clean))
+}
+
+fn lex<'a>(text: &'a str, texts: &'a Texts) -> Vec<RawToken> {
+    let mut lexer = Lexer::of_file(text, 0, texts);
     let mut comments = Vec::new();
     let mut tokens: Vec<RawToken> = Vec::new();
     let mut directives = 0;

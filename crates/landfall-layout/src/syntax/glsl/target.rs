@@ -1,48 +1,152 @@
 //! Which API a GLSL text is written for, as far as it shows.
+//!
+//! A text is Vulkan's when its reading as OpenGL's, conditions evaluated, still has what only
+//! Vulkan's GLSL has. A text that asks whether `VULKAN` is defined and has no such thing is
+//! written for both APIs.
 
-use crate::source::Target;
+use super::lexer::{Kind, Token};
+use super::preprocess::{Preprocessor, Texts, Version};
+use crate::source::{ReadOptions, Target};
+use std::sync::Arc;
 
-/// Words that only Vulkan's GLSL has.
-const VULKAN_WORDS: &[&str] = &[
+/// Names that only Vulkan's GLSL has.
+const VULKAN_NAMES: &[&str] = &[
     "push_constant",
     "constant_id",
-    "subpassInput",
     "input_attachment_index",
     "gl_VertexIndex",
     "gl_InstanceIndex",
     "buffer_reference",
     "shaderRecordEXT",
-    "rayPayload",
-    "texture2D ",
-    "textureCube ",
-    "GL_EXT_ray_tracing",
-    "GL_EXT_mesh_shader",
+    "shaderRecordNV",
 ];
 
-/// The API a text is written for, by what only Vulkan's GLSL has: `set = N` and [`VULKAN_WORDS`];
-/// or because it asks for `VULKAN` in a version that Vulkan's tools take. Without any of it the
-/// text may still be either's.
-pub fn target_of(text: &str) -> Option<Target> {
-    let bytes = text.as_bytes();
-    let word = VULKAN_WORDS.iter().any(|w| memchr::memmem::find(bytes, w.as_bytes()).is_some());
-    let set = || {
-        memchr::memmem::find_iter(bytes, b"set").any(|at| {
-            let starts = at > 0 && matches!(bytes[at - 1], b' ' | b'(' | b',' | b'\t');
-            starts
-                && text[at + 3..].trim_start().strip_prefix('=').is_some_and(|rest| {
-                    rest.trim_start().starts_with(|c: char| c.is_ascii_alphanumeric())
-                        && text[..at].rfind("layout").is_some_and(|l| !text[l..at].contains(')'))
-                })
-        })
-    };
-    let asks = || memchr::memmem::find(bytes, b"VULKAN").is_some() && is_recent(text);
-    (word || set() || asks()).then_some(Target::Vulkan)
+/// What names of types and qualifiers of Vulkan's GLSL begin with.
+const VULKAN_PREFIXES: &[&str] = &["subpassInput", "isubpassInput", "usubpassInput", "rayPayload"];
+
+/// Types of Vulkan's GLSL that are functions of old OpenGL's: a name follows the type.
+const SEPARATE_TYPES: &[&str] = &["texture2D", "textureCube"];
+
+/// Extensions that only Vulkan's GLSL has.
+const VULKAN_EXTENSIONS: &[&str] = &["GL_EXT_ray_tracing", "GL_EXT_mesh_shader"];
+
+/// The API a text is read for, and how that was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// The caller or the text says so.
+    Known(Target),
+    /// The text asks for `VULKAN` and would do for either.
+    Assumed(Target),
+    /// The text is the same for both.
+    Either,
 }
 
-/// Whether the text declares version 4.40 or ES 3.10 at least.
-fn is_recent(text: &str) -> bool {
-    let declared = text.split_once("#version").map_or("", |(_, rest)| rest.trim_start());
-    let line = declared.lines().next().unwrap_or("");
-    let number: u32 = line.split_whitespace().next().and_then(|n| n.parse().ok()).unwrap_or(0);
-    number >= if line.ends_with("es") { 310 } else { 440 }
+/// What the OpenGL reading of a text shows.
+#[derive(Clone, Copy, Debug, Default)]
+struct Signs {
+    /// It has what only Vulkan's GLSL has.
+    vulkan: bool,
+    /// It asks whether `VULKAN` is defined.
+    asks: bool,
+}
+
+/// Whether Vulkan's compilers take that version: GLSL 1.40, GLSL ES 3.10 and later
+/// (GL_KHR_vulkan_glsl; glslang's own bound for desktop).
+fn is_vulkans(version: Version) -> bool {
+    version.number >= if version.es { 310 } else { 140 }
+}
+
+/// Whether a text of that version that asks for `VULKAN` is read as Vulkan's.
+fn prefers_vulkan(version: Version) -> bool {
+    version.number >= if version.es { 310 } else { 440 }
+}
+
+/// Decides for a text that nobody has said a target for; `version` is what it declares, if it does.
+pub fn decide(
+    path: &str,
+    text: &Arc<str>,
+    options: &ReadOptions,
+    version: Option<Version>,
+) -> Decision {
+    if version.is_some_and(|version| !is_vulkans(version)) {
+        return Decision::Known(Target::OpenGl);
+    }
+    if !may_show(text) {
+        return Decision::Either;
+    }
+    let signs = signs(path, text, options);
+    match version {
+        _ if signs.vulkan => Decision::Known(Target::Vulkan),
+        _ if !signs.asks => Decision::Either,
+        Some(version) if prefers_vulkan(version) => Decision::Assumed(Target::Vulkan),
+        Some(_) | None => Decision::Assumed(Target::OpenGl),
+    }
+}
+
+/// Whether it is worth reading the text: it has some of the bytes that a sign is made of, or
+/// opens other files.
+fn may_show(text: &str) -> bool {
+    let has = |word: &str| memchr::memmem::find(text.as_bytes(), word.as_bytes()).is_some();
+    let all = [VULKAN_NAMES, VULKAN_EXTENSIONS, SEPARATE_TYPES].concat();
+    all.into_iter().any(has)
+        || ["VULKAN", "subpassInput", "rayPayload", "#include", "\\\n", "\\\r"].into_iter().any(has)
+        || memchr::memmem::find_iter(text.as_bytes(), b"set").any(|at| {
+            let inside = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
+            !text[..at].as_bytes().last().copied().is_some_and(inside)
+                && !text.as_bytes().get(at + 3).copied().is_some_and(inside)
+        })
+}
+
+fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
+    let options = ReadOptions { target: Some(Target::OpenGl), ..options.clone() };
+    let texts = Texts::new();
+    let mut preprocessor = Preprocessor::new(path, text, &texts, &options);
+    let mut layout = Layout::None;
+    let mut before = preprocessor.next();
+    while before.kind != Kind::End {
+        let token = preprocessor.next();
+        layout = layout.after(&before);
+        if is_vulkan(&before, &token, layout) {
+            return Signs { vulkan: true, asks: false };
+        }
+        before = token;
+    }
+    let extension = |name: &&str| VULKAN_EXTENSIONS.contains(name);
+    Signs {
+        vulkan: preprocessor.extensions.iter().any(extension),
+        asks: preprocessor.asked_for_vulkan.get(),
+    }
+}
+
+/// Whether the walk stands inside `layout(…)`, and how many brackets deep.
+#[derive(Clone, Copy)]
+enum Layout {
+    None,
+    Begun,
+    Inside(u32),
+}
+
+impl Layout {
+    fn after(self, token: &Token<'_>) -> Layout {
+        match (self, token.text) {
+            (Layout::None | Layout::Begun, "layout") => Layout::Begun,
+            (Layout::Begun, "(") => Layout::Inside(1),
+            (Layout::Inside(depth), "(") => Layout::Inside(depth + 1),
+            (Layout::Inside(1), ")") => Layout::None,
+            (Layout::Inside(depth), ")") => Layout::Inside(depth - 1),
+            (Layout::Inside(depth), _) => Layout::Inside(depth),
+            (Layout::None | Layout::Begun, _) => Layout::None,
+        }
+    }
+}
+
+fn is_vulkan(token: &Token<'_>, next: &Token<'_>, layout: Layout) -> bool {
+    if token.kind != Kind::Name {
+        return false;
+    }
+    let text = token.text;
+    VULKAN_NAMES.contains(&text)
+        || VULKAN_PREFIXES.iter().any(|prefix| text.starts_with(prefix))
+        || (SEPARATE_TYPES.contains(&text) && next.kind == Kind::Name)
+        || (text == "set" && next.is("=") && matches!(layout, Layout::Inside(_)))
 }

@@ -246,7 +246,12 @@ pub(super) fn refuse(
             };
             let diagnostic = Diagnostic::error(code, place, message);
             match fault {
-                Fault::Unsupported => diagnostic.with_help("write the number"),
+                Fault::Unsupported if cfg!(feature = "naga") => {
+                    diagnostic.with_help("write the number")
+                }
+                Fault::Unsupported => diagnostic.with_help(
+                    "write the number, or enable landfall's feature `naga`, which evaluates more",
+                ),
                 Fault::DivisionByZero | Fault::Overflow | Fault::Mismatch => diagnostic,
             }
         }

@@ -47,6 +47,7 @@ pub(super) struct Item<'a> {
     /// Right after its name.
     pub(super) rest: u32,
     /// One past its last byte.
+    #[cfg_attr(not(feature = "naga"), expect(dead_code, reason = "naga is given whole items"))]
     pub(super) end: u32,
     /// Of a `var<space>`.
     pub(super) space: Option<(&'a str, Span)>,
@@ -65,6 +66,8 @@ pub(super) struct Outline<'a> {
     pub(super) bodies: Vec<Span>,
     /// Whether `enable f16;` was seen.
     pub(super) f16: bool,
+    /// Whether `requires uniform_buffer_standard_layout;` was seen.
+    pub(super) standard_uniforms: bool,
     /// The text is a template that another tool must complete: nothing in it can be trusted.
     pub(super) incomplete: bool,
 }
@@ -132,11 +135,19 @@ fn declaration<'a>(
             return Err(reports.refuse(report::bracket_attribute(token)));
         }
         (Kind::Word, "enable" | "requires" | "diagnostic") => {
-            let features = &lexer.text()[token.end as usize..];
+            let mut words = lexer.clone();
             let end = skip_to_semicolon(lexer, reports)?;
-            let features = &features[..(end - token.end) as usize];
-            outline.f16 |= features.split([' ', ',', ';', '\n']).any(|word| word == "f16");
-            return Ok(end);
+            loop {
+                let word = words.next();
+                match (word.kind, lexer.text_of(token), words.text_of(word)) {
+                    (Kind::End | Kind::Sign(b';'), ..) => return Ok(end),
+                    (Kind::Word, "enable", "f16") => outline.f16 = true,
+                    (Kind::Word, "requires", "uniform_buffer_standard_layout") => {
+                        outline.standard_uniforms = true;
+                    }
+                    _ => {}
+                }
+            }
         }
         (Kind::Word, "const_assert") => return skip_to_semicolon(lexer, reports),
         (Kind::Word, "import") => return Err(reports.refuse(report::preprocessor(lexer, token))),

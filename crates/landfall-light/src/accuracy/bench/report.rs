@@ -1,6 +1,6 @@
 //! What a bench found: plain data, as `landfall schema bench` describes it.
 //!
-//! Made of [`Samples`] and [`Errors`]; printed by [`emit::bench`](landfall::report::bench).
+//! Made of [`Samples`] and [`Errors`]; printed by the report of `landfall bench`.
 
 use serde::{Deserialize, Serialize};
 

@@ -2,26 +2,25 @@
 //!
 //! Feeds the samples of [`stress`](crate::accuracy::stress) and [`bench`](mod@crate::accuracy::bench).
 
+use crate::splitmix64::{STEP, SplitMix64};
+
 /// A stream of random numbers.
 #[derive(Clone, Debug)]
 pub(in crate::accuracy) struct Random {
-    state: u64,
+    numbers: SplitMix64,
 }
 
 impl Random {
     /// The stream of that number under a seed.
     pub fn new(seed: u64, stream: u64) -> Random {
-        let mut random = Random { state: seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15) };
+        let state = seed ^ stream.wrapping_mul(STEP);
+        let mut random = Random { numbers: SplitMix64(state) };
         random.word();
         random
     }
 
     pub fn word(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+        self.numbers.next()
     }
 
     /// From 0 up to, not including, `end`.
@@ -31,7 +30,7 @@ impl Random {
 
     /// From 0 to 1.
     pub fn unit(&mut self) -> f64 {
-        (self.word() >> 11) as f64 / (1u64 << 53) as f64
+        self.numbers.unit()
     }
 
     pub fn between(&mut self, low: f64, high: f64) -> f64 {

@@ -180,18 +180,7 @@ pub(in crate::accuracy) fn sample(
     let focus = if owners.is_empty() { "" } else { *random.pick(&owners) };
     let main = light(&setting, fragment, normal, random);
     let mirror = add(normal.map(|x| 2.0 * dot(normal, main.to_light) * x), main.to_light, -1.0);
-    let to_view = match setting.geometry {
-        Geometry::Mirror => mirror,
-        Geometry::Behind => {
-            let lift = (0.02 - dot(mirror, normal)).max(0.0);
-            unit(add(mirror, normal, lift))
-        }
-        _ if random.chance(0.5) => turned(mirror, random.scale(1e-4, 0.5), random),
-        _ => {
-            let v = random.direction();
-            if dot(v, normal) < 0.0 { v.map(|x| -x) } else { v }
-        }
-    };
+    let to_view = to_view(setting.geometry, mirror, normal, random);
     let view = add(fragment, to_view, random.scale(0.5, 20.0));
     let mut others: Vec<(String, Light)> = Vec::new();
     for input in inputs.iter() {
@@ -267,6 +256,27 @@ pub(in crate::accuracy) fn sample(
         }
     }
     to
+}
+
+/// The direction from the fragment to the eye, by that of the mirrored light.
+fn to_view(
+    geometry: Geometry,
+    mirror: [f64; 3],
+    normal: [f64; 3],
+    random: &mut Random,
+) -> [f64; 3] {
+    match geometry {
+        Geometry::Mirror => mirror,
+        Geometry::Behind => {
+            let lift = (0.02 - dot(mirror, normal)).max(0.0);
+            unit(add(mirror, normal, lift))
+        }
+        _ if random.chance(0.5) => turned(mirror, random.scale(1e-4, 0.5), random),
+        _ => {
+            let v = random.direction();
+            if dot(v, normal) < 0.0 { v.map(|x| -x) } else { v }
+        }
+    }
 }
 
 fn integers(input: &Input, to: &mut Sample, random: &mut Random) {

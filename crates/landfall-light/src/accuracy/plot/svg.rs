@@ -4,6 +4,8 @@
 
 use std::fmt::Write as _;
 
+use landfall_layout::text::escape::xml;
+
 /// Height of a line of text.
 pub const TEXT: f64 = 11.0;
 
@@ -52,7 +54,7 @@ impl Svg {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\">\n"
         );
-        let _ = writeln!(text, "<title>{}</title>", escaped(title));
+        let _ = writeln!(text, "<title>{}</title>", xml(title));
         let _ = writeln!(text, "<style>\n{STYLE}{light}{dark}</style>");
         let _ = writeln!(
             text,
@@ -105,7 +107,7 @@ impl Svg {
         };
         let turn =
             turn.map(|by| format!(" transform=\"rotate({by} {x} {y})\"")).unwrap_or_default();
-        let text = escaped(text);
+        let text = xml(text);
         let _ = writeln!(self.text, "<text{class}{anchor} x=\"{x}\" y=\"{y}\"{turn}>{text}</text>");
     }
 
@@ -133,20 +135,4 @@ pub fn width(text: &str) -> f64 {
         _ => 0.64,
     };
     text.chars().map(em).sum::<f64>() * TEXT
-}
-
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            // XML has no way to write these.
-            c if c.is_control() => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
 }

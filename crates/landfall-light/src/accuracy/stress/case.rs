@@ -1,7 +1,7 @@
 //! One sample as people read it, and the command that repeats it.
 //!
 //! Made for each finding of the [`report`](super::report) and each case of a driver; printed by
-//! [`emit::stress`](landfall::report::stress).
+//! the report of `landfall stress`.
 
 use serde_json::Value;
 

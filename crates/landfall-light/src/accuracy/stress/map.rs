@@ -4,8 +4,8 @@
 
 use super::Request;
 use super::deadline::Deadline;
-use super::domain::Within;
-use super::input::Sample;
+use super::domain::{Domain, Within};
+use super::input::{Inputs, Sample};
 use super::matched;
 use super::measure::{Outcome, floats, outcome};
 use super::random::Random;
@@ -90,28 +90,7 @@ pub fn error_map(
         budget: request.budget,
     };
     let base = base(&all, &domain, request.seed);
-    let axis = |at: usize, path: &str| {
-        let nth = all.iter().position(|i| i.range().contains(&at)).unwrap_or(0);
-        let now = f64::from(super::input::float(&base, at));
-        match (domain.within[nth], all[nth].role) {
-            (Within::Range(low, high), _) if low > 0.0 && high > 100.0 * low => {
-                Axis::log(path, low, high)
-            }
-            (Within::Range(low, high), _) => Axis::linear(path, low, high),
-            (Within::Any, role) if role.is_position() => Axis::linear(path, now - 2.0, now + 2.0),
-            (Within::Any, Role::Shininess) => Axis::log(path, 1.0, 65536.0),
-            (Within::Any, Role::Constant | Role::Linear | Role::Quadratic) => {
-                Axis::linear(path, 0.0, 1.0)
-            }
-            (Within::Any, Role::InnerCosine | Role::OuterCosine | Role::ConeCosine) => {
-                Axis::linear(path, 0.9, 1.0)
-            }
-            (Within::Any, Role::Distance) => Axis::log(path, 1.0e-6, 1.0e6),
-            (Within::Position, _) => Axis::linear(path, now - 2.0, now + 2.0),
-            (Within::Any | Within::Unit | Within::Cosine, _) => Axis::linear(path, -1.0, 1.0),
-            (Within::Color, _) => Axis::linear(path, 0.0, 1.0),
-        }
-    };
+    let axis = |at: usize, path: &str| axis(&all, &domain, &base, at, path);
     let (across, up) = (axis(x, &map.x), axis(y, &map.y));
     let floats = floats(&pure);
     let mut cells = Vec::with_capacity(map.columns * map.rows);
@@ -153,8 +132,32 @@ pub fn error_map(
     Ok(heat_map(&HeatMap { title, x: across, y: up, error, columns, cells }))
 }
 
+/// The axis of a scalar: its range in the domain, or the usual one of its role.
+fn axis(inputs: &Inputs, domain: &Domain, base: &Sample, at: usize, path: &str) -> Axis {
+    let nth = inputs.iter().position(|i| i.range().contains(&at)).unwrap_or(0);
+    let now = f64::from(super::input::float(base, at));
+    match (domain.within[nth], inputs[nth].role) {
+        (Within::Range(low, high), _) if low > 0.0 && high > 100.0 * low => {
+            Axis::log(path, low, high)
+        }
+        (Within::Range(low, high), _) => Axis::linear(path, low, high),
+        (Within::Any, role) if role.is_position() => Axis::linear(path, now - 2.0, now + 2.0),
+        (Within::Any, Role::Shininess) => Axis::log(path, 1.0, 65536.0),
+        (Within::Any, Role::Constant | Role::Linear | Role::Quadratic) => {
+            Axis::linear(path, 0.0, 1.0)
+        }
+        (Within::Any, Role::InnerCosine | Role::OuterCosine | Role::ConeCosine) => {
+            Axis::linear(path, 0.9, 1.0)
+        }
+        (Within::Any, Role::Distance) => Axis::log(path, 1.0e-6, 1.0e6),
+        (Within::Position, _) => Axis::linear(path, now - 2.0, now + 2.0),
+        (Within::Any | Within::Unit | Within::Cosine, _) => Axis::linear(path, -1.0, 1.0),
+        (Within::Color, _) => Axis::linear(path, 0.0, 1.0),
+    }
+}
+
 /// A scene in the domain.
-fn base(inputs: &super::input::Inputs, domain: &super::domain::Domain, seed: u64) -> Sample {
+fn base(inputs: &Inputs, domain: &Domain, seed: u64) -> Sample {
     let mut random = Random::new(seed, 1 << 41);
     let mut sample = Sample::new();
     for _ in 0..64 {

@@ -9,6 +9,8 @@ use super::scene;
 use super::scene::Geometry;
 use landfall_layout::shape::ScalarKind;
 
+use Change::{Cone, Equal, Opposite, Scale, Set, Stand};
+
 /// A change made to a scene.
 #[derive(Clone, Debug)]
 pub(super) enum Change {
@@ -76,152 +78,220 @@ const EDGES: [f32; 22] = [
 
 /// Everything that is tried on a scene, the likeliest first.
 pub(super) fn mutations(inputs: &[Input]) -> Vec<Mutation> {
-    use Change::{Cone, Equal, Opposite, Scale, Set, Stand};
-    let zero = 0u32;
-    let one = 1.0f32.to_bits();
-    let mut all: Vec<Mutation> = Vec::new();
-    let mut push = |changes: Vec<Change>| all.push(Mutation { changes });
-    let of = |is: &dyn Fn(&Input) -> bool| -> Vec<usize> {
-        (0..inputs.len()).filter(|&at| is(&inputs[at])).collect()
-    };
-    let lights = of(&|i| i.role == Role::LightPosition);
-    let points = of(&|i| i.role.is_position());
-    let coefficients = of(&|i| i.role.is_attenuation());
-    let distances = of(&|i| i.role == Role::Distance);
-    let colors = of(&|i| i.role == Role::Color);
-    let related = |a: usize, b: usize| {
-        let (a, b) = (&inputs[a].owner, &inputs[b].owner);
+    let mut made = Mutations { inputs, all: Vec::new() };
+    made.unset_attenuation();
+    made.equal_points();
+    made.narrow_cones();
+    made.shininess();
+    made.counts();
+    made.directions();
+    // Nothing, or far too much, of each input, before the pairs: those are many.
+    made.extremes();
+    made.pairs();
+    made.edges();
+    if made.all.is_empty() {
+        made.all.push(Mutation::default());
+    }
+    made.all
+}
+
+const ZERO: u32 = 0;
+const ONE: u32 = 1.0f32.to_bits();
+
+/// The mutations of a scene in the making.
+struct Mutations<'a> {
+    inputs: &'a [Input],
+    all: Vec<Mutation>,
+}
+
+impl Mutations<'_> {
+    fn push(&mut self, changes: Vec<Change>) {
+        self.all.push(Mutation { changes });
+    }
+
+    /// The numbers of the inputs that are such.
+    fn of(&self, is: impl Fn(&Input) -> bool) -> Vec<usize> {
+        (0..self.inputs.len()).filter(|&at| is(&self.inputs[at])).collect()
+    }
+
+    /// Whether one input's owner is the other's, or holds it.
+    fn related(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (&self.inputs[a].owner, &self.inputs[b].owner);
         a == b || a.starts_with(&format!("{b}.")) || b.starts_with(&format!("{a}."))
-    };
-    // A light whose attenuation was not set; with the colour not set either.
-    let groups: Vec<Vec<usize>> = {
+    }
+
+    /// The attenuation coefficients of each owner.
+    fn coefficients(&self) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
-        for &at in &coefficients {
-            match groups.iter_mut().find(|g| inputs[g[0]].owner == inputs[at].owner) {
+        for at in self.of(|i| i.role.is_attenuation()) {
+            let owner =
+                |group: &&mut Vec<usize>| self.inputs[group[0]].owner == self.inputs[at].owner;
+            match groups.iter_mut().find(owner) {
                 Some(group) => group.push(at),
                 None => groups.push(vec![at]),
             }
         }
         groups
-    };
-    for group in &groups {
-        let unset: Vec<Change> = group.iter().map(|&at| Set(at, zero)).collect();
-        push(unset.clone());
-        let mut black = unset;
-        black.extend(colors.iter().filter(|&&c| related(c, group[0])).map(|&c| Set(c, zero)));
-        push(black);
-        let constants = || group.iter().filter(|&&at| inputs[at].role != Role::Quadratic);
-        let no_constant: Vec<Change> = constants().map(|&at| Set(at, zero)).collect();
-        for &light in lights.iter().filter(|&&l| related(l, group[0]) || groups.len() == 1) {
-            for &point in points.iter().filter(|&&p| p != light) {
-                let mut at_light = no_constant.clone();
-                at_light.push(Equal(point, light));
-                push(at_light);
-            }
-        }
-        for &d in &distances {
-            let mut at_light = no_constant.clone();
-            at_light.push(Set(d, zero));
-            push(at_light);
-        }
-        for &at in group {
-            push(vec![Set(at, (-1.0f32).to_bits())]);
-        }
     }
-    for &a in &points {
-        for &b in points.iter().filter(|&&b| b != a) {
-            push(vec![Equal(a, b)]);
-        }
-    }
-    for inner in of(&|i| i.role == Role::InnerCosine) {
-        for outer in of(&|i| i.role == Role::OuterCosine) {
-            if inputs[inner].owner == inputs[outer].owner {
-                for geometry in [Geometry::AtEdge, Geometry::OnAxis, Geometry::InRamp] {
-                    push(vec![Stand(geometry), Equal(inner, outer)]);
+
+    /// A light whose attenuation was not set; with the colour not set either.
+    fn unset_attenuation(&mut self) {
+        let lights = self.of(|i| i.role == Role::LightPosition);
+        let points = self.of(|i| i.role.is_position());
+        let distances = self.of(|i| i.role == Role::Distance);
+        let colors = self.of(|i| i.role == Role::Color);
+        let groups = self.coefficients();
+        for group in &groups {
+            let unset: Vec<Change> = group.iter().map(|&at| Set(at, ZERO)).collect();
+            self.push(unset.clone());
+            let mut black = unset;
+            let own = colors.iter().filter(|&&color| self.related(color, group[0]));
+            black.extend(own.map(|&color| Set(color, ZERO)));
+            self.push(black);
+            let constants = group.iter().filter(|&&at| self.inputs[at].role != Role::Quadratic);
+            let no_constant: Vec<Change> = constants.map(|&at| Set(at, ZERO)).collect();
+            for &light in &lights {
+                if !self.related(light, group[0]) && groups.len() != 1 {
+                    continue;
                 }
-                push(vec![Set(inner, one), Set(outer, one), Stand(Geometry::OnAxis)]);
+                for &point in points.iter().filter(|&&p| p != light) {
+                    let mut at_light = no_constant.clone();
+                    at_light.push(Equal(point, light));
+                    self.push(at_light);
+                }
+            }
+            for &distance in &distances {
+                let mut at_light = no_constant.clone();
+                at_light.push(Set(distance, ZERO));
+                self.push(at_light);
+            }
+            for &at in group {
+                self.push(vec![Set(at, (-1.0f32).to_bits())]);
             }
         }
     }
-    for cone in of(&|i| i.role.is_cone()) {
-        // Rounding puts few fragments of the axis inside such a cone.
-        for _ in 0..48 {
-            push(vec![Stand(Geometry::OnAxis), Set(cone, one)]);
-        }
-        push(vec![Stand(Geometry::Ordinary), Set(cone, one)]);
-        for narrow in 3..scene::CONES.len() {
-            for geometry in [Geometry::InRamp, Geometry::OnAxis] {
-                push(vec![Stand(geometry), Cone(narrow)]);
+
+    /// Points that are where others are.
+    fn equal_points(&mut self) {
+        let points = self.of(|i| i.role.is_position());
+        for &a in &points {
+            for &b in points.iter().filter(|&&b| b != a) {
+                self.push(vec![Equal(a, b)]);
             }
         }
     }
-    for shine in of(&|i| i.role == Role::Shininess) {
-        // Half of these cosines round past 1; of a dim light nothing is seen.
-        for large in [1.0e5f32, 1.0e6, 1.0e7] {
-            for _ in 0..12 {
-                push(vec![Stand(Geometry::Mirror), Set(shine, large.to_bits())]);
+
+    /// Cones whose two angles are equal, and cones of no width.
+    fn narrow_cones(&mut self) {
+        for inner in self.of(|i| i.role == Role::InnerCosine) {
+            for outer in self.of(|i| i.role == Role::OuterCosine) {
+                if self.inputs[inner].owner == self.inputs[outer].owner {
+                    for geometry in [Geometry::AtEdge, Geometry::OnAxis, Geometry::InRamp] {
+                        self.push(vec![Stand(geometry), Equal(inner, outer)]);
+                    }
+                    self.push(vec![Set(inner, ONE), Set(outer, ONE), Stand(Geometry::OnAxis)]);
+                }
             }
         }
-        for geometry in [Geometry::Behind, Geometry::Ordinary, Geometry::Mirror] {
-            push(vec![Stand(geometry), Set(shine, zero)]);
-            push(vec![Stand(geometry), Set(shine, 1.0e5f32.to_bits())]);
-        }
-    }
-    for count in of(&|i| i.role == Role::Count) {
-        for many in [0u32, 1, 127, 128, 129, 65535] {
-            push(vec![Set(count, many)]);
-        }
-    }
-    let directions = of(&|i| i.is_vector());
-    for &at in &directions {
-        push(vec![Set(at, zero)]);
-        push(vec![Scale(at, 1.0 + 1.0e-7)]);
-        push(vec![Scale(at, 2.0e19)]);
-        push(vec![Scale(at, 1.0e-21)]);
-    }
-    // Nothing, or far too much, of each input, before the pairs: those are many.
-    for at in of(&|i| i.is_number()) {
-        push(vec![Set(at, zero)]);
-    }
-    for at in of(&|i| i.is_number() || i.role.is_position()) {
-        push(vec![Set(at, 2.0e19f32.to_bits())]);
-    }
-    // Pairs of one shape: those of one kind before the others.
-    let mut pairs: Vec<(usize, usize, bool)> = Vec::new();
-    for a in 0..inputs.len() {
-        for b in 0..a {
-            let (i, j) = (&inputs[a], &inputs[b]);
-            if !(i.is_float() && j.is_float() && i.len == j.len && i.rows == j.rows) {
-                continue;
+        for cone in self.of(|i| i.role.is_cone()) {
+            // Rounding puts few fragments of the axis inside such a cone.
+            for _ in 0..48 {
+                self.push(vec![Stand(Geometry::OnAxis), Set(cone, ONE)]);
             }
-            let alike = i.role.is_direction() && j.role.is_direction()
-                || i.role == j.role
-                || i.role.is_position() && j.role.is_position();
-            pairs.push((a, b, alike));
+            self.push(vec![Stand(Geometry::Ordinary), Set(cone, ONE)]);
+            for narrow in 3..scene::CONES.len() {
+                for geometry in [Geometry::InRamp, Geometry::OnAxis] {
+                    self.push(vec![Stand(geometry), Cone(narrow)]);
+                }
+            }
         }
     }
-    pairs.sort_by_key(|pair| !pair.2);
-    for (a, b, _) in pairs.into_iter().take(MUTATIONS) {
-        push(vec![Equal(a, b)]);
-        push(vec![Opposite(a, b)]);
-    }
-    for edge in EDGES {
-        for at in of(&|i| i.is_number()) {
-            push(vec![Set(at, edge.to_bits())]);
+
+    /// Exponents that are large, or zero.
+    fn shininess(&mut self) {
+        for shine in self.of(|i| i.role == Role::Shininess) {
+            // Half of these cosines round past 1; of a dim light nothing is seen.
+            for large in [1.0e5f32, 1.0e6, 1.0e7] {
+                for _ in 0..12 {
+                    self.push(vec![Stand(Geometry::Mirror), Set(shine, large.to_bits())]);
+                }
+            }
+            for geometry in [Geometry::Behind, Geometry::Ordinary, Geometry::Mirror] {
+                self.push(vec![Stand(geometry), Set(shine, ZERO)]);
+                self.push(vec![Stand(geometry), Set(shine, 1.0e5f32.to_bits())]);
+            }
         }
     }
-    for edge in EDGES {
-        for at in of(&|i| i.is_float() && !i.is_number()) {
-            push(vec![Set(at, edge.to_bits())]);
+
+    /// Numbers of lights around the lengths of usual arrays.
+    fn counts(&mut self) {
+        for count in self.of(|i| i.role == Role::Count) {
+            for many in [0u32, 1, 127, 128, 129, 65535] {
+                self.push(vec![Set(count, many)]);
+            }
         }
     }
-    for at in of(&|i| !i.is_float() && i.scalar.width <= 4 && i.scalar.kind != ScalarKind::Bool) {
-        for edge in [0u32, 1, u32::MAX, 1 << 31, 31, 32, 1 << 20] {
-            push(vec![Set(at, edge)]);
+
+    /// Directions that are no unit vectors, by a rounding or by far.
+    fn directions(&mut self) {
+        for at in self.of(|i| i.is_vector()) {
+            self.push(vec![Set(at, ZERO)]);
+            self.push(vec![Scale(at, 1.0 + 1.0e-7)]);
+            self.push(vec![Scale(at, 2.0e19)]);
+            self.push(vec![Scale(at, 1.0e-21)]);
         }
     }
-    if all.is_empty() {
-        all.push(Mutation::default());
+
+    /// Numbers that are zero, and numbers whose squares are no `f32`.
+    fn extremes(&mut self) {
+        for at in self.of(|i| i.is_number()) {
+            self.push(vec![Set(at, ZERO)]);
+        }
+        for at in self.of(|i| i.is_number() || i.role.is_position()) {
+            self.push(vec![Set(at, 2.0e19f32.to_bits())]);
+        }
     }
-    all
+
+    /// Pairs of one shape: those of one kind before the others.
+    fn pairs(&mut self) {
+        let mut pairs: Vec<(usize, usize, bool)> = Vec::new();
+        for a in 0..self.inputs.len() {
+            for b in 0..a {
+                let (i, j) = (&self.inputs[a], &self.inputs[b]);
+                if !(i.is_float() && j.is_float() && i.len == j.len && i.rows == j.rows) {
+                    continue;
+                }
+                let alike = i.role.is_direction() && j.role.is_direction()
+                    || i.role == j.role
+                    || i.role.is_position() && j.role.is_position();
+                pairs.push((a, b, alike));
+            }
+        }
+        pairs.sort_by_key(|pair| !pair.2);
+        for (a, b, _) in pairs.into_iter().take(MUTATIONS) {
+            self.push(vec![Equal(a, b)]);
+            self.push(vec![Opposite(a, b)]);
+        }
+    }
+
+    /// Each input at the numbers where arithmetic changes.
+    fn edges(&mut self) {
+        for edge in EDGES {
+            for at in self.of(|i| i.is_number()) {
+                self.push(vec![Set(at, edge.to_bits())]);
+            }
+        }
+        for edge in EDGES {
+            for at in self.of(|i| i.is_float() && !i.is_number()) {
+                self.push(vec![Set(at, edge.to_bits())]);
+            }
+        }
+        let is_integer =
+            |i: &Input| !i.is_float() && i.scalar.width <= 4 && i.scalar.kind != ScalarKind::Bool;
+        for at in self.of(is_integer) {
+            for edge in [0u32, 1, u32::MAX, 1 << 31, 31, 32, 1 << 20] {
+                self.push(vec![Set(at, edge)]);
+            }
+        }
+    }
 }

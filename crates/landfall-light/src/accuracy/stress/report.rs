@@ -1,6 +1,6 @@
 //! What stressing a function found: plain data, as `landfall schema stress` describes it.
 //!
-//! Made by [`stress`](super::stress()), printed by [`emit::stress`](landfall::report::stress).
+//! Made by [`stress`](super::stress()), printed by the report of `landfall stress`.
 
 use super::Request;
 use super::case::{Case, Writing, case, command, fixed};

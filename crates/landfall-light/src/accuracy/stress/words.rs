@@ -1,6 +1,6 @@
 //! A finding in words: its message, the label at its place, the facts below it.
 //!
-//! Used by the report's lints and by [`emit::stress`](landfall::report::stress).
+//! Used by the report's lints and by the report of `landfall stress`.
 
 use super::case::Case;
 use super::measure::Outcome;

@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use glam::{DMat3, DMat4, DVec3};
 
+use super::Open;
 use super::walk::{At, Object as Members, Walk, short};
-use super::{LARGEST, Open};
+use crate::scene::LARGEST;
 use crate::scene::{Material, Mesh, Object, mesh, read_obj};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Span, decode};

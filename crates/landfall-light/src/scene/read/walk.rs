@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::LARGEST;
+use crate::scene::LARGEST;
 use landfall_layout::diagnostic::{Diagnostic, Severity};
 use landfall_layout::source::{Files, Span};
 use landfall_layout::text::edit_distance::nearest;

@@ -2,6 +2,7 @@
 
 use crate::render::{severity, short, totals};
 use landfall_layout::finding::{Finding, Level};
+use landfall_layout::text::escape::{markdown as plain, markdown_code as code};
 
 /// Bytes of rows; GitHub refuses a summary of more than 1 MiB.
 const MOST_BYTES: usize = 900 << 10;
@@ -48,31 +49,4 @@ fn cell(text: &str) -> String {
     }
     let part = |(i, part): (usize, &&str)| if i % 2 == 0 { plain(part) } else { code(part) };
     parts.iter().enumerate().map(part).collect()
-}
-
-fn code(text: &str) -> String {
-    // In a code span a backslash stands for itself, even before a pipe that would end the cell.
-    let simple = !text.contains(['`', '|', '\\']) && !text.chars().any(char::is_control);
-    match text.trim() {
-        "" => plain(text),
-        trimmed if simple && trimmed == text => format!("`{text}`"),
-        _ => format!("<code>{}</code>", plain(text)),
-    }
-}
-
-/// Text in which no character means anything to Markdown or HTML.
-fn plain(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '\n' => result.push_str("<br>"),
-            '\r' => {}
-            c if c.is_control() => result.push('\u{fffd}'),
-            '\\' | '`' | '|' | '<' | '>' | '&' | '*' | '_' | '[' | ']' | '~' | '#' | '!' | '$' => {
-                result.push_str(&format!("&#{};", u32::from(c)));
-            }
-            c => result.push(c),
-        }
-    }
-    result
 }

@@ -53,22 +53,26 @@ impl<'a> Preprocessor<'a> {
                 self.substitute(&definition, parameters, &arguments, &token)
             }
         };
-        self.expanded += tokens.len() + 1;
-        if self.expanded > MOST_EXPANDED {
-            self.stopped = true;
-            self.diagnostics.push(
-                Diagnostic::error(
-                    Code::MacroBomb,
-                    token.span,
-                    format!("macros expand to more than {MOST_EXPANDED} tokens"),
-                )
-                .with_help("look for macros that use each other several times over"),
-            );
+        if !self.count_expanded(tokens.len() + 1, &token) {
             return None;
         }
         let tokens = paste(tokens, self.texts);
         self.frames.push(Frame::Macro { name: definition.name, tokens, at: 0 });
         None
+    }
+
+    /// Counts tokens that macros made or were given; whether they are still few enough.
+    fn count_expanded(&mut self, tokens: usize, at: &Token<'a>) -> bool {
+        self.expanded += tokens;
+        if self.expanded > MOST_EXPANDED && !self.stopped {
+            self.stopped = true;
+            let message = format!("macros expand to more than {MOST_EXPANDED} tokens");
+            self.diagnostics.push(
+                Diagnostic::error(Code::MacroBomb, at.span, message)
+                    .with_help("look for macros that use each other several times over"),
+            );
+        }
+        !self.stopped
     }
 
     /// The arguments of a macro call, `(` passed; `None` when the call is broken.
@@ -93,6 +97,11 @@ impl<'a> Preprocessor<'a> {
                 _ => {}
             }
             arguments.last_mut().expect("there is always a current argument").push(token);
+        }
+        // Calls inside each other read what is inside them once a level.
+        let given = arguments.iter().map(Vec::len).sum();
+        if !self.count_expanded(given, name) {
+            return None;
         }
         if wanted == 0 && arguments.len() == 1 && arguments[0].is_empty() {
             arguments.clear();

@@ -14,7 +14,7 @@ pub(crate) fn writable(block: &BlockLayout, files: &Files, language: Language) -
 }
 
 /// What may be done to each member of a block, in their order.
-pub(super) fn of(block: &BlockLayout, files: &Files, language: Language) -> Vec<Access> {
+pub(crate) fn of(block: &BlockLayout, files: &Files, language: Language) -> Vec<Access> {
     let all = |access| vec![access; block.members.len()];
     let file = files.get(block.span.file);
     let Some(file) = file.filter(|_| block.space == AddressSpace::Storage) else {

@@ -1,15 +1,20 @@
 //! A plan: which fragments are lit by which lights, and what that saves. Plain data.
 //!
-//! Made by [`plan`](super::plan()); executed by the
-//! [compiled models](crate::compiled) and by the readers, which upload each draw's lights
-//! next to each other; written out by [`emit::plan`](landfall::report::plan).
+//! Made by [`skip::plan`](crate::skip::plan()); executed by the [compiled models](crate::compiled)
+//! and by [`render`](crate::render), which uploads each draw's lights next to each other; printed
+//! by the report of `render --skip`.
 
 use std::ops::Range;
 
 use glam::DVec3;
 
-use super::lists::TileLists;
-use super::settings::Compiled;
+mod interpolation;
+mod settings;
+
+pub use interpolation::interpolate;
+pub(crate) use interpolation::places;
+pub use settings::{Compiled, Place, Setting, Value};
+
 use crate::Fragment;
 
 /// Which fragments are lit by which lights.
@@ -68,7 +73,7 @@ impl LightSet {
 /// Its nodes are the Chebyshev points of a rectangle. What a fragment gets is the polynomial
 /// through them; a parent's polynomial, of the same degree, is added to its children's nodes, so
 /// that a fragment evaluates one however many grids it lies in. See
-/// [`interpolate`](super::interpolate).
+/// [`interpolate`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Row by row, `side * side`.
@@ -85,6 +90,23 @@ pub struct Grid {
     pub axes: [DVec3; 2],
     /// Half its length along each.
     pub half: [f64; 2],
+}
+
+/// Which point lights each tile of a frame has.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TileLists {
+    /// Pixels along a tile's side.
+    pub size: u32,
+    /// Tiles in a row: tile `row * columns + column` holds the pixels from
+    /// `(column * size, row * size)`, rows counted from the top.
+    pub columns: u32,
+    /// Rows of tiles.
+    pub rows: u32,
+    /// Of each tile, the first of its entries in `indices`, and how many they are.
+    pub tiles: Vec<[u32; 2]>,
+    /// Numbers of point lights, ascending in each tile. Never empty: no shader language knows
+    /// an empty buffer.
+    pub indices: Vec<u32>,
 }
 
 /// What a plan saves.
@@ -187,6 +209,6 @@ impl Plan {
     }
 }
 
-pub(super) fn numbers(range: Range<usize>) -> Vec<u32> {
+fn numbers(range: Range<usize>) -> Vec<u32> {
     range.map(|n| n as u32).collect()
 }

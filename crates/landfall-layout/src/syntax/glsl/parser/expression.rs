@@ -1,144 +1,31 @@
-//! From tokens to [`ast`](super::ast): expressions and statements.
-//!
-//! Fed by the preprocessor; [`declare`](super::declare) is its other half.
+//! Expressions (GLSL 4.60 §5.1).
 
-use landfall_layout::diagnostic::Code;
-use rustc_hash::FxHashSet;
-
-use super::ast::*;
-use landfall_layout::diagnostic::Diagnostic;
-use landfall_layout::source::Span;
-pub use landfall_layout::syntax::glsl::lexer::{Kind, Token};
-pub use landfall_layout::syntax::glsl::types::{Builtin, builtin};
+use super::{Parsed, Parser, SyntaxError, Wanted};
+use crate::source::Span;
+use crate::syntax::glsl::ast::{Binary, Expr, ExprKind, Step, Unary};
+use crate::syntax::glsl::lexer::Kind;
+use crate::syntax::glsl::types::{Builtin, builtin};
 
 /// Expressions nest this deep at most.
 const DEEPEST_EXPRESSION: u32 = 400;
 
-pub type Parsed<T> = Result<T, Box<Diagnostic>>;
-
-/// Reads a token at a time, with as much looking ahead as it takes.
-pub struct Parser<'a, 't> {
-    pub tokens: &'t [Token<'a>],
-    pub at: usize,
-    /// Names of structures declared so far.
-    pub structures: FxHashSet<&'a str>,
-    /// Whether `varying` is an input here.
-    pub stage_reads_varyings: bool,
-    /// Structures being read, one inside the other.
-    pub open_structures: u32,
-    /// Precisions in force; none in a dialect that has no use for them.
-    pub precisions: Option<Precisions>,
-    /// The precision that was said before the type that follows.
-    pub said: Option<Precision>,
-    depth: u32,
-    /// Statements being read, one inside the other.
-    pub statements: u32,
+fn too_deep(span: Span) -> SyntaxError {
+    SyntaxError::TooDeep { span, what: "an expression nests", limit: DEEPEST_EXPRESSION }
 }
 
-/// What `precision` statements have set, and the language before them.
-#[derive(Clone, Copy, Debug)]
-pub struct Precisions {
-    pub float: Option<Precision>,
-    /// Of what a `sampler2D` or `samplerCube` gives; other samplers have none.
-    pub sampled: Precision,
-}
-
-impl<'a, 't> Parser<'a, 't> {
-    /// At the first of some tokens, the last of which is the end.
-    pub fn new(tokens: &'t [Token<'a>]) -> Parser<'a, 't> {
-        Parser {
-            tokens,
-            at: 0,
-            structures: FxHashSet::default(),
-            stage_reads_varyings: false,
-            open_structures: 0,
-            precisions: None,
-            said: None,
-            depth: 0,
-            statements: 0,
-        }
-    }
-
-    pub fn token(&self) -> &'t Token<'a> {
-        self.ahead(0)
-    }
-
-    pub fn ahead(&self, count: usize) -> &'t Token<'a> {
-        let last = self.tokens.len() - 1;
-        &self.tokens[(self.at + count).min(last)]
-    }
-
-    pub fn bump(&mut self) -> &'t Token<'a> {
-        let token = self.token();
-        self.at += 1;
-        token
-    }
-
-    pub fn is(&self, text: &str) -> bool {
-        self.token().is(text)
-    }
-
-    pub fn eat(&mut self, text: &str) -> bool {
-        let found = self.is(text);
-        if found {
-            self.at += 1;
-        }
-        found
-    }
-
-    /// Whether these two stand here with nothing between: `+=`, `++`.
-    pub fn is_pair(&self, first: &str, second: &str) -> bool {
-        let (a, b) = (self.token(), self.ahead(1));
-        a.is(first) && b.is(second) && !b.spaced && (b.definition.is_some() || !b.first)
-    }
-
-    pub fn expect(&mut self, text: &str) -> Parsed<Span> {
-        if self.is(text) {
-            return Ok(self.bump().span);
-        }
-        Err(self.unexpected(&format!("expected `{text}`")))
-    }
-
-    pub fn unexpected(&self, wanted: &str) -> Box<Diagnostic> {
-        let token = self.token();
-        let found = match token.kind {
-            Kind::End => "the end of the file".to_string(),
-            _ => format!("`{}`", token.text),
-        };
-        Box::new(Diagnostic::error(Code::Syntax, token.span, format!("{wanted}, found {found}")))
-    }
-
-    pub fn name(&mut self) -> Parsed<Name<'a>> {
-        if self.token().kind != Kind::Name {
-            return Err(self.unexpected("expected a name"));
-        }
-        let token = self.bump();
-        Ok(Name { text: token.text, span: token.span })
-    }
-
-    /// Where what was read last ends, as one span with its start.
-    pub fn since(&self, start: Span) -> Span {
-        start.to(self.tokens[self.at.saturating_sub(1).min(self.tokens.len() - 1)].span)
-    }
-
-    pub fn expr(&self, kind: ExprKind<'a>, span: Span, below: u32) -> Parsed<Expr<'a>> {
+impl<'a> Parser<'a> {
+    fn expr(&self, kind: ExprKind<'a>, mark: Span, span: Span, below: u32) -> Parsed<Expr<'a>> {
         let depth = below + 1;
         if depth > DEEPEST_EXPRESSION {
-            let message = format!("an expression nests more than {DEEPEST_EXPRESSION} deep");
-            return Err(Box::new(Diagnostic::error(Code::NestedTooDeep, span, message)));
+            return Err(too_deep(span));
         }
-        Ok(Expr { kind, span, depth })
+        Ok(Expr { kind, span, mark, depth })
     }
 
     fn deeper<T>(&mut self, read: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
         self.depth += 1;
         if self.depth > DEEPEST_EXPRESSION {
-            let message = format!("an expression nests more than {DEEPEST_EXPRESSION} deep");
-            return Err(Box::new(Diagnostic::error(
-                Code::NestedTooDeep,
-                self.token().span,
-                message,
-            )));
+            return Err(too_deep(self.token().span));
         }
         let result = read(self);
         self.depth -= 1;
@@ -146,25 +33,28 @@ impl<'a, 't> Parser<'a, 't> {
     }
 
     /// With commas.
-    pub fn expression(&mut self) -> Parsed<Expr<'a>> {
+    pub(super) fn expression(&mut self) -> Parsed<Expr<'a>> {
         let mut left = self.assignment()?;
         while self.is(",") {
-            self.bump();
+            let mark = self.bump().span;
             let right = self.assignment()?;
             let (span, depth) = (left.span.to(right.span), left.depth.max(right.depth));
-            left = self.expr(ExprKind::Comma(Box::new(left), Box::new(right)), span, depth)?;
+            left =
+                self.expr(ExprKind::Comma(Box::new(left), Box::new(right)), mark, span, depth)?;
         }
         Ok(left)
     }
 
     /// Without commas.
-    pub fn assignment(&mut self) -> Parsed<Expr<'a>> {
+    pub(super) fn assignment(&mut self) -> Parsed<Expr<'a>> {
         self.deeper(|this| {
             let left = this.choice()?;
+            let mark = this.token().span;
             let Some(operator) = this.assignment_operator() else { return Ok(left) };
             let right = this.assignment()?;
             let (span, depth) = (left.span.to(right.span), left.depth.max(right.depth));
-            this.expr(ExprKind::Assign(operator, Box::new(left), Box::new(right)), span, depth)
+            let kind = ExprKind::Assign(operator, Box::new(left), Box::new(right));
+            this.expr(kind, mark, span, depth)
         })
     }
 
@@ -185,14 +75,15 @@ impl<'a, 't> Parser<'a, 't> {
             ">>" => Binary::ShiftRight,
             _ => return None,
         };
-        if !self.is_pair(self.token().text, "=") {
+        if !self.is_pair(operator.text(), "=") {
             return None;
         }
-        self.at += 2;
+        self.eat_two();
         Some(Some(operator))
     }
 
     fn choice(&mut self) -> Parsed<Expr<'a>> {
+        let mark = self.token().span;
         let condition = self.binary(0)?;
         if !self.eat("?") {
             return Ok(condition);
@@ -203,7 +94,8 @@ impl<'a, 't> Parser<'a, 't> {
             let reject = this.assignment()?;
             let span = condition.span.to(reject.span);
             let depth = condition.depth.max(accept.depth).max(reject.depth);
-            this.expr(ExprKind::Choose(Box::new([condition, accept, reject])), span, depth)
+            let kind = ExprKind::Choose(Box::new([condition, accept, reject]));
+            this.expr(kind, mark, span, depth)
         })
     }
 
@@ -211,16 +103,16 @@ impl<'a, 't> Parser<'a, 't> {
     fn binary(&mut self, least: u8) -> Parsed<Expr<'a>> {
         let mut left = self.unary()?;
         while let Some((operator, binds)) = self.binary_operator().filter(|o| o.1 >= least) {
-            self.bump();
+            let mark = self.bump().span;
             let right = self.deeper(|this| this.binary(binds + 1))?;
             let (span, depth) = (left.span.to(right.span), left.depth.max(right.depth));
             let kind = ExprKind::Binary(operator, Box::new(left), Box::new(right));
-            left = self.expr(kind, span, depth)?;
+            left = self.expr(kind, mark, span, depth)?;
         }
         Ok(left)
     }
 
-    fn binary_operator(&self) -> Option<(Binary, u8)> {
+    fn binary_operator(&mut self) -> Option<(Binary, u8)> {
         let token = self.token();
         if token.kind != Kind::Punctuation {
             return None;
@@ -248,20 +140,19 @@ impl<'a, 't> Parser<'a, 't> {
             _ => return None,
         };
         // `a += b`: an assignment, not a sum.
-        let assigns =
-            matches!(token.text, "|" | "^" | "&" | "<<" | ">>" | "+" | "-" | "*" | "/" | "%");
-        (!assigns || !self.is_pair(token.text, "=")).then_some(found)
+        let assigns = matches!(found.1, 4..=6 | 9..);
+        (!assigns || !self.is_pair(found.0.text(), "=")).then_some(found)
     }
 
     fn unary(&mut self) -> Parsed<Expr<'a>> {
         let start = self.token().span;
         for (sign, increment) in [("+", true), ("-", false)] {
             if self.is_pair(sign, sign) {
-                self.at += 2;
+                self.eat_two();
                 let inner = self.deeper(Self::unary)?;
                 let (span, depth) = (start.to(inner.span), inner.depth);
                 let step = Step { increment, before: true };
-                return self.expr(ExprKind::Step(step, Box::new(inner)), span, depth);
+                return self.expr(ExprKind::Step(step, Box::new(inner)), start, span, depth);
             }
         }
         let operator = match self.token().text {
@@ -274,53 +165,52 @@ impl<'a, 't> Parser<'a, 't> {
         self.bump();
         let inner = self.deeper(Self::unary)?;
         let (span, depth) = (start.to(inner.span), inner.depth);
-        self.expr(ExprKind::Unary(operator, Box::new(inner)), span, depth)
+        self.expr(ExprKind::Unary(operator, Box::new(inner)), start, span, depth)
     }
 
     fn postfix(&mut self) -> Parsed<Expr<'a>> {
         let mut left = self.primary()?;
         loop {
-            let start = left.span;
-            if self.eat("[") {
+            let (start, mark) = (left.span, self.token().span);
+            let mut depth = left.depth;
+            let (kind, mark) = if self.eat("[") {
                 let index = self.expression()?;
                 self.expect("]")?;
-                let depth = left.depth.max(index.depth);
-                let kind = ExprKind::Index(Box::new(left), Box::new(index));
-                left = self.expr(kind, self.since(start), depth)?;
+                depth = depth.max(index.depth);
+                (ExprKind::Index(Box::new(left), Box::new(index)), mark)
             } else if self.eat(".") {
                 let name = self.name()?;
-                let depth = left.depth;
-                let kind = if name.text == "length" && self.is("(") {
-                    self.bump();
+                if name.text == "length" && self.eat("(") {
                     self.expect(")")?;
-                    ExprKind::Length(Box::new(left))
+                    (ExprKind::Length(Box::new(left)), name.span)
                 } else {
-                    ExprKind::Member(Box::new(left), name)
-                };
-                left = self.expr(kind, self.since(start), depth)?;
+                    (ExprKind::Member(Box::new(left), name), name.span)
+                }
             } else if self.is_pair("+", "+") || self.is_pair("-", "-") {
                 let step = Step { increment: self.is("+"), before: false };
-                self.at += 2;
-                let depth = left.depth;
-                left = self.expr(ExprKind::Step(step, Box::new(left)), self.since(start), depth)?;
+                self.eat_two();
+                (ExprKind::Step(step, Box::new(left)), mark)
             } else {
                 return Ok(left);
-            }
+            };
+            left = self.expr(kind, mark, self.since(start), depth)?;
         }
     }
 
     fn primary(&mut self) -> Parsed<Expr<'a>> {
-        let token = self.token();
+        let token = *self.token();
+        let literal = |this: &mut Self, kind| {
+            this.bump();
+            this.expr(kind, token.span, token.span, 0)
+        };
         match token.kind {
-            Kind::Number => {
-                self.bump();
-                self.expr(ExprKind::Number(token.text), token.span, 0)
-            }
+            Kind::Number => literal(self, ExprKind::Number(token.text)),
             Kind::Name if matches!(token.text, "true" | "false") => {
-                self.bump();
-                self.expr(ExprKind::Bool(token.text == "true"), token.span, 0)
+                literal(self, ExprKind::Bool(token.text == "true"))
             }
             Kind::Name => self.named(),
+            // Text for a debugger: it has no value.
+            Kind::Text => literal(self, ExprKind::Number("0")),
             _ if token.is("(") => {
                 self.bump();
                 let mut inner = self.deeper(Self::expression)?;
@@ -328,18 +218,13 @@ impl<'a, 't> Parser<'a, 't> {
                 inner.span = self.since(token.span);
                 Ok(inner)
             }
-            // Text for a debugger: it has no value.
-            Kind::Text => {
-                self.bump();
-                self.expr(ExprKind::Number("0"), token.span, 0)
-            }
             _ if token.is("{") => {
                 self.bump();
                 let items = self.deeper(|this| this.list("}"))?;
                 let depth = items.iter().map(|e| e.depth).max().unwrap_or(0);
-                self.expr(ExprKind::List(items), self.since(token.span), depth)
+                self.expr(ExprKind::List(items), token.span, self.since(token.span), depth)
             }
-            _ => Err(self.unexpected("expected an expression")),
+            _ => Err(self.unexpected(Wanted::Expression)),
         }
     }
 
@@ -359,19 +244,19 @@ impl<'a, 't> Parser<'a, 't> {
             let arguments = self.deeper(|this| this.list(")"))?;
             let depth = arguments.iter().map(|e| e.depth).max().unwrap_or(0);
             let kind = ExprKind::Construct(Box::new(ty), arguments);
-            return self.expr(kind, self.since(start), depth);
+            return self.expr(kind, start, self.since(start), depth);
         }
         let name = self.name()?;
         if !self.eat("(") {
-            return self.expr(ExprKind::Name(name.text), start, 0);
+            return self.expr(ExprKind::Name(name.text), start, start, 0);
         }
         let arguments = self.deeper(|this| this.list(")"))?;
         let depth = arguments.iter().map(|e| e.depth).max().unwrap_or(0);
-        self.expr(ExprKind::Call(name, arguments), self.since(start), depth)
+        self.expr(ExprKind::Call(name, arguments), start, self.since(start), depth)
     }
 
     /// Expressions up to `close`, which is passed.
-    fn list(&mut self, close: &str) -> Parsed<Vec<Expr<'a>>> {
+    fn list(&mut self, close: &'static str) -> Parsed<Vec<Expr<'a>>> {
         let mut items = Vec::new();
         if self.is("void") && self.ahead(1).is(")") {
             self.bump();
@@ -379,26 +264,28 @@ impl<'a, 't> Parser<'a, 't> {
         while !self.eat(close) {
             items.push(self.assignment()?);
             if !self.eat(",") && !self.is(close) {
-                return Err(self.unexpected(&format!("expected `,` or `{close}`")));
+                return Err(self.unexpected(Wanted::CommaOr(close)));
             }
         }
         Ok(items)
     }
 
     /// Whether `NAME[…]` here goes on with the `(` of a constructor.
-    pub fn constructs_array(&self) -> bool {
-        self.ahead(self.past_dims(1)).is("(")
+    pub(super) fn constructs_array(&mut self) -> bool {
+        let past = self.past_dims(1);
+        self.ahead(past).is("(")
     }
 
     /// How far ahead the first token past all `[…]` is.
-    pub fn past_dims(&self, mut ahead: usize) -> usize {
+    pub(super) fn past_dims(&mut self, mut ahead: usize) -> usize {
         while self.ahead(ahead).is("[") {
             let mut depth = 0u32;
             loop {
-                match self.ahead(ahead).text {
+                let token = self.ahead(ahead);
+                match token.text {
                     "[" => depth += 1,
                     "]" => depth -= 1,
-                    _ if self.ahead(ahead).kind == Kind::End => return ahead,
+                    _ if token.kind == Kind::End => return ahead,
                     _ => {}
                 }
                 ahead += 1;

@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::plan::{Grid, Plan};
+use super::{Grid, Plan};
 
 /// Adds the interpolated light of every draw's grid to `colors`, which are those of the frame's
 /// fragments, where `nodes` holds what each grid's own lights give at its nodes.
@@ -36,7 +36,7 @@ pub fn interpolate(
 }
 
 /// Where the nodes are along an axis from -1 to 1: the roots of a Chebyshev polynomial.
-pub(super) fn places(side: u32) -> Vec<f64> {
+pub(crate) fn places(side: u32) -> Vec<f64> {
     let place = |i: u32| -(std::f64::consts::PI * f64::from(2 * i + 1) / f64::from(2 * side)).cos();
     (0..side).map(place).collect()
 }

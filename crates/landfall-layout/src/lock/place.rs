@@ -1,11 +1,12 @@
 //! A text of JSON and the objects in it: what should be there, and the message where it is not.
 //!
-//! Walks what [`json`](crate::text::json) gives; feeds [`read`](super) and [`blocks`](super::blocks).
+//! Walks what [`json`](crate::text::json) gives; feeds [`read`](super::read()).
 
 use crate::error::Error;
 use crate::layout::LARGEST_BLOCK;
 use crate::lock::SCHEMA_VERSION;
 use crate::text::edit_distance::nearest;
+use crate::text::escape::is_bidi;
 use crate::text::json::{Fault, Node, Value};
 
 /// What to do about a lock that cannot be trusted.
@@ -14,7 +15,7 @@ pub(super) const WRITE_AGAIN: &str =
 
 /// The text that places are in.
 #[derive(Clone, Copy)]
-pub(in crate::lock) struct Place<'t> {
+pub(super) struct Place<'t> {
     pub path: &'t str,
     pub text: &'t str,
 }
@@ -59,12 +60,12 @@ impl Place<'_> {
     }
 
     /// An error about a byte: `has an unknown key at line 12`.
-    pub(in crate::lock) fn error(&self, at: usize, message: &str) -> Error {
+    pub(super) fn error(&self, at: usize, message: &str) -> Error {
         Error::new(self.path, format!("{message}, at line {}", self.line(at)))
     }
 
     /// An error about JSON that says two things.
-    pub(in crate::lock) fn contradiction(&self, at: u32, message: &str) -> Error {
+    pub(super) fn contradiction(&self, at: u32, message: &str) -> Error {
         let line = self.line(at as usize);
         Error::new(self.path, format!("contradicts itself at line {line}: {message}"))
             .with_help(WRITE_AGAIN)
@@ -122,6 +123,11 @@ impl Place<'_> {
 
     pub(super) fn text<'n>(&self, node: &'n Node, what: &str) -> Result<&'n str, Error> {
         match &node.value {
+            // A path may be anybody's; names are those of a shader, and drivers have plain ones.
+            Value::Text(text) if what != "path" && text.contains(acts) => {
+                let message = format!("has a character in `{what}` that no shader's name has");
+                Err(self.error(node.start, &message).with_help(WRITE_AGAIN))
+            }
             Value::Text(text) => Ok(text),
             _ => Err(self.kind(node, &format!("`{what}`"), "a string")),
         }
@@ -168,4 +174,9 @@ impl Place<'_> {
         };
         Err(self.error(node.start, &message).with_help(help))
     }
+}
+
+/// Whether a character does something else than show itself.
+fn acts(c: char) -> bool {
+    c.is_control() || is_bidi(c)
 }

@@ -1,16 +1,25 @@
-//! What a shader's text says, as a tree: whole, bodies included, names not yet looked up.
+//! The syntax tree of a shader, names not yet resolved.
 //!
-//! Made by [`parse`](super::parse), read by the lowering beside it.
+//! Made by [`parser`](super::parser). Declarations keep the tokens of their expressions and
+//! bodies, which are parsed when [`Parser::complete`](super::parser::Parser::complete) is called.
 
+#![allow(missing_docs)] // fields and variants are named after the grammar's own productions
+
+use std::ops::Range;
 use std::rc::Rc;
 
-use landfall_layout::source::Span;
+use crate::source::Span;
+
+/// A range of the parser's tokens.
+pub type Tokens = Range<usize>;
 
 /// A name and where it stands.
 #[derive(Clone, Copy, Debug)]
 pub struct Name<'a> {
     pub text: &'a str,
     pub span: Span,
+    /// Its token.
+    pub at: usize,
 }
 
 /// An expression and where it stands.
@@ -18,6 +27,8 @@ pub struct Name<'a> {
 pub struct Expr<'a> {
     pub kind: ExprKind<'a>,
     pub span: Span,
+    /// The token that makes it what it is: the operator, the name called, the literal.
+    pub mark: Span,
     /// Levels below it, itself included: what recursion over it costs.
     pub depth: u32,
 }
@@ -84,12 +95,55 @@ pub enum Binary {
     Or,
 }
 
+impl Unary {
+    /// Its spelling.
+    pub fn text(self) -> &'static str {
+        match self {
+            Unary::Plus => "+",
+            Unary::Minus => "-",
+            Unary::Not => "!",
+            Unary::Complement => "~",
+        }
+    }
+}
+
+impl Binary {
+    /// Its spelling.
+    pub fn text(self) -> &'static str {
+        match self {
+            Binary::Add => "+",
+            Binary::Subtract => "-",
+            Binary::Multiply => "*",
+            Binary::Divide => "/",
+            Binary::Modulo => "%",
+            Binary::ShiftLeft => "<<",
+            Binary::ShiftRight => ">>",
+            Binary::Less => "<",
+            Binary::LessEqual => "<=",
+            Binary::Greater => ">",
+            Binary::GreaterEqual => ">=",
+            Binary::Equal => "==",
+            Binary::NotEqual => "!=",
+            Binary::BitAnd => "&",
+            Binary::BitXor => "^",
+            Binary::BitOr => "|",
+            Binary::And => "&&",
+            Binary::Xor => "^^",
+            Binary::Or => "||",
+        }
+    }
+}
+
 /// A type as written, its own dimensions included.
 #[derive(Debug)]
 pub struct TypeSpec<'a> {
     pub base: TypeBase<'a>,
+    /// The token of its name, or `struct`.
+    pub at: usize,
     pub dims: Vec<Dim<'a>>,
     pub span: Span,
+    /// Whether `<…>` follows its name.
+    pub parameters: bool,
     /// Of floats and what is sampled, where the dialect has precisions: said, or the default.
     pub precision: Option<Precision>,
 }
@@ -111,14 +165,23 @@ pub enum TypeBase<'a> {
 /// `[SIZE]` or `[]`.
 #[derive(Debug)]
 pub struct Dim<'a> {
-    pub size: Option<Expr<'a>>,
+    /// What stands between the brackets.
+    pub tokens: Tokens,
+    /// Both brackets included.
+    pub span: Span,
+    /// Parsed on demand.
+    pub size: Option<Box<Expr<'a>>>,
 }
 
 #[derive(Debug)]
 pub struct StructDecl<'a> {
-    /// Empty when there is none.
+    /// Empty when there is none; then its place is that of `struct`.
     pub name: Name<'a>,
     pub members: Vec<Declaration<'a>>,
+    /// Whether its `}` is there.
+    pub closed: bool,
+    /// From `struct` to `}`.
+    pub tokens: Tokens,
 }
 
 /// Where a variable lives.
@@ -133,6 +196,8 @@ pub enum Storage {
     Uniform,
     Buffer,
     Shared,
+    /// `varying`: an input of a fragment shader, an output of a vertex shader.
+    Varying,
     /// Anything landfall does not run: ray payloads and the like.
     Foreign,
 }
@@ -153,49 +218,76 @@ pub struct Qualifiers<'a> {
     pub writeonly: bool,
     pub layout: Vec<LayoutId<'a>>,
     pub any: bool,
+    /// All of them.
+    pub tokens: Tokens,
 }
 
 /// One entry of `layout(…)`.
 #[derive(Debug)]
 pub struct LayoutId<'a> {
     pub name: Name<'a>,
-    pub value: Option<Expr<'a>>,
+    /// The expression after `=`.
+    pub tokens: Tokens,
+    /// Parsed on demand.
+    pub value: Option<Box<Expr<'a>>>,
+}
+
+impl LayoutId<'_> {
+    /// Whether it is of that name; names in `layout(…)` are not case sensitive (GLSL 4.60 §4.4).
+    pub fn is(&self, name: &str) -> bool {
+        self.name.text.eq_ignore_ascii_case(name)
+    }
 }
 
 impl<'a> Qualifiers<'a> {
-    /// The last entry of that name; names in `layout(…)` are not case sensitive.
+    /// The last layout entry of that name: later ones override earlier ones.
     pub fn find(&self, name: &str) -> Option<&LayoutId<'a>> {
-        self.layout.iter().rev().find(|id| id.name.text.eq_ignore_ascii_case(name))
+        self.layout.iter().rev().find(|id| id.is(name))
     }
 }
 
 /// `QUALIFIERS TYPE a, b[2] = …;`
 #[derive(Debug)]
 pub struct Declaration<'a> {
+    /// From its first token to its `;`.
+    pub tokens: Tokens,
     pub qualifiers: Qualifiers<'a>,
     pub ty: TypeSpec<'a>,
     pub names: Vec<Declarator<'a>>,
+    /// Whether a syntax error in it was reported.
+    pub broken: bool,
 }
 
 #[derive(Debug)]
 pub struct Declarator<'a> {
     pub name: Name<'a>,
     pub dims: Vec<Dim<'a>>,
-    pub init: Option<Expr<'a>>,
+    /// The initialiser.
+    pub tokens: Tokens,
+    /// Parsed on demand.
+    pub init: Option<Box<Expr<'a>>>,
 }
 
 /// `QUALIFIERS NAME { … } INSTANCE[N];`
 #[derive(Debug)]
 pub struct BlockDecl<'a> {
+    /// From its first token to its `;`.
+    pub tokens: Tokens,
     pub qualifiers: Qualifiers<'a>,
     pub name: Name<'a>,
+    /// Of a block of inputs or outputs, parsed on demand.
     pub members: Vec<Declaration<'a>>,
     pub instance: Option<Name<'a>>,
     pub dims: Vec<Dim<'a>>,
+    /// Whether its `}` is there.
+    pub closed: bool,
+    /// How many diagnostics there were when its members began.
+    pub diagnostics: usize,
 }
 
 #[derive(Debug)]
 pub struct Parameter<'a> {
+    pub tokens: Tokens,
     pub qualifiers: Qualifiers<'a>,
     pub ty: TypeSpec<'a>,
     /// Empty when there is none.
@@ -205,20 +297,53 @@ pub struct Parameter<'a> {
 
 #[derive(Debug)]
 pub struct FunctionDecl<'a> {
+    /// From its first token to its `;` or `}`.
+    pub tokens: Tokens,
     pub name: Name<'a>,
     pub returns: TypeSpec<'a>,
+    /// What stands between its parentheses.
+    pub parameter_tokens: Tokens,
+    /// Parsed on demand.
     pub parameters: Vec<Parameter<'a>>,
-    /// `None` for a prototype.
+    /// What stands between its braces; empty where bodies are skipped.
+    pub body_tokens: Option<Tokens>,
+    /// Parsed on demand; `None` for a prototype.
     pub body: Option<Vec<Statement<'a>>>,
 }
 
+/// The default precisions that `precision` statements have set.
+#[derive(Clone, Copy, Debug)]
+pub struct Precisions {
+    /// `None` before any statement sets it: the stage decides.
+    pub float: Option<Precision>,
+    /// Of what a `sampler2D` or `samplerCube` gives; other samplers have none.
+    pub sampled: Precision,
+}
+
+impl Default for Precisions {
+    // GLSL ES 3.20 §4.7.4.
+    fn default() -> Precisions {
+        Precisions { float: None, sampled: Precision::Low }
+    }
+}
+
+/// A global declaration.
 #[derive(Debug)]
 pub enum Item<'a> {
     Variables(Rc<Declaration<'a>>),
+    /// A `uniform` or `buffer` block.
     Block(BlockDecl<'a>),
+    /// A block of inputs or outputs.
+    Interface(BlockDecl<'a>),
     Function(Rc<FunctionDecl<'a>>),
     /// `layout(…) in;`
     Defaults(Qualifiers<'a>),
+    /// `invariant gl_Position;`
+    Requalified(Qualifiers<'a>, Name<'a>),
+    /// `precision mediump float;`
+    Precision(Tokens),
+    /// What declares nothing, or a syntax error that was reported.
+    Other(Tokens),
 }
 
 #[derive(Debug)]

@@ -1,21 +1,28 @@
-//! From tokens to [`ast`](super::ast): statements.
-//!
-//! One of the three parts of the parser, with [`parse`](super::parse) and
-//! [`declare`](super::declare).
+//! Statements, in function bodies (GLSL 4.60 §6).
 
-use super::ast::*;
-use super::parse::{Parsed, Parser};
-use landfall_layout::diagnostic::Code;
-use landfall_layout::diagnostic::Diagnostic;
-pub use landfall_layout::syntax::glsl::lexer::Kind;
-pub use landfall_layout::syntax::glsl::types::builtin;
+use super::{Parsed, Parser, SyntaxError};
+use crate::syntax::glsl::ast::{Condition, Declaration, Declarator, For, Statement, StatementKind};
+use crate::syntax::glsl::lexer::Kind;
+use crate::syntax::glsl::types::builtin;
 
 /// Statements nest this deep at most; `else if` nests.
 const DEEPEST_STATEMENT: u32 = 200;
 
-impl<'a> Parser<'a, '_> {
+impl<'a> Parser<'a> {
+    /// The statements of a function.
+    pub(super) fn body(&mut self) -> Parsed<Vec<Statement<'a>>> {
+        let (structures, precisions) = (self.structures.clone(), self.precisions);
+        (self.depth, self.statements) = (0, 0);
+        let mut statements = Vec::new();
+        while self.token().kind != Kind::End {
+            statements.push(self.statement()?);
+        }
+        (self.structures, self.precisions) = (structures, precisions);
+        Ok(statements)
+    }
+
     /// Statements up to `}`, which is passed.
-    pub fn block(&mut self) -> Parsed<Vec<Statement<'a>>> {
+    pub(super) fn block(&mut self) -> Parsed<Vec<Statement<'a>>> {
         let structures = self.structures.clone();
         let precisions = self.precisions;
         let mut statements = Vec::new();
@@ -27,15 +34,14 @@ impl<'a> Parser<'a, '_> {
         Ok(statements)
     }
 
-    pub fn statement(&mut self) -> Parsed<Statement<'a>> {
+    pub(super) fn statement(&mut self) -> Parsed<Statement<'a>> {
         self.statements += 1;
         if self.statements > DEEPEST_STATEMENT {
-            let message = format!("statements nest more than {DEEPEST_STATEMENT} deep");
-            return Err(Box::new(Diagnostic::error(
-                Code::NestedTooDeep,
-                self.token().span,
-                message,
-            )));
+            return Err(SyntaxError::TooDeep {
+                span: self.token().span,
+                what: "statements nest",
+                limit: DEEPEST_STATEMENT,
+            });
         }
         let start = self.token().span;
         let kind = self.statement_kind()?;
@@ -43,7 +49,7 @@ impl<'a> Parser<'a, '_> {
         Ok(Statement { kind, span: self.since(start) })
     }
 
-    pub fn statement_kind(&mut self) -> Parsed<StatementKind<'a>> {
+    pub(super) fn statement_kind(&mut self) -> Parsed<StatementKind<'a>> {
         // GL_EXT_control_flow_attributes: `[[unroll]]`.
         while self.is("[") && self.ahead(1).is("[") {
             while !self.is("]") && self.token().kind != Kind::End {
@@ -107,7 +113,7 @@ impl<'a> Parser<'a, '_> {
                 Ok(StatementKind::Case(label))
             }
             "default" if self.ahead(1).is(":") => {
-                self.at += 2;
+                self.eat_two();
                 Ok(StatementKind::Default)
             }
             "break" => self.jump(StatementKind::Break),
@@ -135,13 +141,6 @@ impl<'a> Parser<'a, '_> {
         }
     }
 
-    pub fn skip_to_semicolon(&mut self) {
-        while !self.is(";") && self.token().kind != Kind::End {
-            self.bump();
-        }
-        self.eat(";");
-    }
-
     fn jump(&mut self, kind: StatementKind<'a>) -> Parsed<StatementKind<'a>> {
         self.bump();
         self.expect(";")?;
@@ -164,18 +163,21 @@ impl<'a> Parser<'a, '_> {
         if !self.begins_declaration() {
             return Ok(Condition::Expression(self.expression()?));
         }
-        let qualifiers = self.qualifiers()?;
+        let start = self.at;
+        let qualifiers = self.qualifiers();
         let ty = self.type_spec()?;
         let name = self.name()?;
         self.expect("=")?;
-        let init = Some(self.assignment()?);
-        let names = vec![Declarator { name, dims: Vec::new(), init }];
-        Ok(Condition::Declaration(Declaration { qualifiers, ty, names }))
+        let from = self.at;
+        let init = Some(Box::new(self.assignment()?));
+        let names = vec![Declarator { name, dims: Vec::new(), tokens: from..self.at, init }];
+        let tokens = start..self.at;
+        Ok(Condition::Declaration(Declaration { tokens, qualifiers, ty, names, broken: false }))
     }
 
     /// Whether a declaration stands here, not an expression.
-    pub fn begins_declaration(&self) -> bool {
-        let token = self.token();
+    pub(super) fn begins_declaration(&mut self) -> bool {
+        let token = *self.token();
         if token.kind != Kind::Name {
             return false;
         }
@@ -185,6 +187,7 @@ impl<'a> Parser<'a, '_> {
         if builtin(token.text).is_none() && !self.structures.contains(token.text) {
             return token.kind == Kind::Name && self.ahead(1).kind == Kind::Name;
         }
-        self.ahead(self.past_dims(1)).kind == Kind::Name
+        let past = self.past_dims(1);
+        self.ahead(past).kind == Kind::Name
     }
 }

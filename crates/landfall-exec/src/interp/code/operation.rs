@@ -1,0 +1,173 @@
+//! What arithmetic instructions compute.
+
+/// Float operations of one operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum F1 {
+    Neg,
+    Abs,
+    Sign,
+    Floor,
+    Ceil,
+    Round,
+    Trunc,
+    Fract,
+    Saturate,
+    Radians,
+    Degrees,
+    Sqrt,
+    InverseSqrt,
+    Quantize,
+    Sin,
+    Cos,
+    Tan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Asin,
+    Acos,
+    Atan,
+    Asinh,
+    Acosh,
+    Atanh,
+    Exp,
+    Exp2,
+    Log,
+    Log2,
+    FrexpFract,
+}
+
+/// Float operations of two operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum F2 {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Rem,
+    Min,
+    Max,
+    Step,
+    Pow,
+    Atan2,
+}
+
+/// Float operations of three operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum F3 {
+    Fma,
+    Mix,
+    Clamp,
+    SmoothStep,
+}
+
+/// Comparisons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum Cmp {
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+}
+
+/// Tests of one float.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum Test {
+    IsNan,
+    IsInf,
+}
+
+/// Integer operations of one operand; `Sint` where the sign matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum I1 {
+    Neg,
+    Not,
+    /// Of a bool.
+    LogicalNot,
+    AbsSint,
+    SignSint,
+    TrailingZeros,
+    LeadingZeros,
+    Ones,
+    Reverse,
+    FirstTrailing,
+    FirstLeadingSint,
+    FirstLeadingUint,
+    /// Keeps the low 16 bits and extends their sign, or zeros.
+    Narrow16Sint,
+    Narrow16Uint,
+}
+
+/// Integer operations of two operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum I2 {
+    Add,
+    Sub,
+    Mul,
+    DivSint,
+    DivUint,
+    RemSint,
+    RemUint,
+    And,
+    Or,
+    Xor,
+    Shl,
+    ShrSint,
+    ShrUint,
+    MinSint,
+    MinUint,
+    MaxSint,
+    MaxUint,
+    Dot4Sint,
+    Dot4Uint,
+}
+
+/// Operations on the bits of a double.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum D2 {
+    Float(F2),
+    Int(I2),
+}
+
+/// Changes of type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::interp) enum Cast {
+    RealToSint,
+    RealToUint,
+    RealToBool,
+    SintToReal,
+    UintToReal,
+    WordToBool,
+    RealBits,
+    BitsReal,
+    RealToDouble,
+    DoubleToReal,
+    DoubleToSint,
+    DoubleToUint,
+    DoubleToSint64,
+    DoubleToUint64,
+    RealToSint64,
+    RealToUint64,
+    SintToWide,
+    UintToWide,
+    SintToDouble,
+    UintToDouble,
+    WideToWord,
+    WideToBool,
+    DoubleToBool,
+    Sint64ToReal,
+    Uint64ToReal,
+    Sint64ToDouble,
+    Uint64ToDouble,
+    /// An exponent as `frexp` splits it off.
+    Exponent,
+    /// To the nearest half, still a real.
+    RoundHalf,
+    /// The bits of a half.
+    HalfToBits,
+    /// The half that the lowest 16 bits of a word are.
+    LowHalf,
+    /// The half that the highest are.
+    HighHalf,
+}

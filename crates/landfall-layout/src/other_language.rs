@@ -1,0 +1,91 @@
+//! Shading languages that are not read: known by a file's name or by what stands in a text.
+
+use std::path::Path;
+
+use crate::error::Error;
+
+/// Extensions of files in other shading languages.
+const EXTENSIONS: &[(&str, &[&str])] = &[
+    ("HLSL", &["hlsl", "hlsli", "fx", "fxh", "usf", "ush", "cginc"]),
+    ("Slang", &["slang", "slangh"]),
+    ("Metal", &["metal"]),
+    ("WESL", &["wesl"]),
+];
+
+/// The language that a file's name says, if it is one that is not read.
+pub fn of_path(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    EXTENSIONS.iter().find(|row| row.1.contains(&extension.as_str())).map(|row| row.0)
+}
+
+/// Refuses a file whose name says that it is in another language.
+///
+/// # Errors
+/// The extension is one of HLSL, Slang, Metal or WESL.
+pub fn refuse(path: &Path) -> Result<(), Error> {
+    let Some(language) = of_path(path) else { return Ok(()) };
+    let help = match language {
+        "WESL" => "link it to WGSL first; if it is WGSL all the same, say `--language wgsl`",
+        _ => "landfall reads GLSL and WGSL; if it is GLSL all the same, say `--language glsl`",
+    };
+    let message = format!("is {language} by its name, which landfall does not read");
+    Err(Error::new(path.display().to_string(), message).with_help(help).unreadable())
+}
+
+/// Words that begin a declaration in another language and are none of GLSL's.
+const WORDS: &[(&str, &[&str])] = &[
+    (
+        "HLSL",
+        &[
+            "cbuffer",
+            "tbuffer",
+            "ConstantBuffer",
+            "StructuredBuffer",
+            "RWStructuredBuffer",
+            "ByteAddressBuffer",
+            "RWByteAddressBuffer",
+            "Texture2D",
+            "Texture3D",
+            "TextureCube",
+            "Texture2DArray",
+            "RWTexture2D",
+            "SamplerState",
+            "SamplerComparisonState",
+            "groupshared",
+            "float2",
+            "float3",
+            "float4",
+            "float3x3",
+            "float4x4",
+        ],
+    ),
+    ("Slang", &["import", "ParameterBlock", "interface", "extension", "__include", "module"]),
+    ("Metal", &["using", "kernel", "constant", "fragment", "vertex"]),
+    ("WGSL", &["fn", "var", "@", "override", "requires", "enable"]),
+    ("ShaderLab", &["Shader"]),
+];
+
+/// Whether that word may begin a declaration of another language.
+pub(crate) fn may_begin(first: &str) -> bool {
+    WORDS.iter().any(|row| row.1.contains(&first))
+}
+
+/// The language in which a declaration begins with that token, the next one behind it.
+///
+/// In GLSL most of these words are names, so that the next token has to fit, too.
+pub(crate) fn of_words(first: &str, next: &str) -> Option<&'static str> {
+    let row = WORDS.iter().find(|row| row.1.contains(&first))?;
+    let name = next.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+    let fits = match (row.0, first) {
+        ("ShaderLab", _) => next.starts_with('"'),
+        ("WGSL", "var") => next == "<" || name,
+        ("Metal", "using") => next == "namespace",
+        ("HLSL", "ConstantBuffer" | "StructuredBuffer" | "RWStructuredBuffer")
+        | ("Slang", "ParameterBlock") => next == "<",
+        ("HLSL", "Texture2D" | "Texture3D" | "TextureCube" | "Texture2DArray" | "RWTexture2D") => {
+            next == "<" || name
+        }
+        _ => name,
+    };
+    fits.then_some(row.0)
+}

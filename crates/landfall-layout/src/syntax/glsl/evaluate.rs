@@ -1,0 +1,303 @@
+//! The values of constant expressions: array sizes, layout qualifiers, `const` initialisers and
+//! `#if` conditions (GLSL 4.60 §4.3.3).
+
+use super::ast::{Binary, Expr, ExprKind, TypeBase, Unary};
+use super::lexer::Token;
+use super::parser::Parser;
+use super::types::{Builtin, builtin};
+use crate::shape::{Scalar, ScalarKind, Type};
+use crate::source::Span;
+use crate::syntax::constant;
+use crate::syntax::constant::{Fault, Kind, Value};
+
+/// The meaning of names in an expression.
+pub trait Names {
+    /// Whether this is an `#if` condition, where truth values are the integers 0 and 1.
+    const DIRECTIVE: bool = false;
+
+    /// The value of a name, or why it has none.
+    fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem>;
+
+    /// An operand begins that `&&` or `||` does not evaluate.
+    fn begin_unevaluated(&mut self) {}
+
+    /// That operand ends.
+    fn end_unevaluated(&mut self) {}
+}
+
+/// Why an expression has no value, and where.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// Where.
+    pub span: Span,
+    /// Why, to be read after `the size`: `is not constant: …`.
+    pub message: String,
+    /// Whether the expression is constant, but an operation in it has no result.
+    pub fault: bool,
+}
+
+impl Problem {
+    /// A problem at a token.
+    pub fn new(span: Span, message: impl Into<String>) -> Problem {
+        Problem { span, message: message.into(), fault: false }
+    }
+}
+
+/// The value of an expression that takes up all of `tokens`.
+pub fn evaluate_tokens(
+    tokens: &[Token<'_>],
+    whole: Span,
+    names: &mut impl Names,
+) -> Result<Value, Problem> {
+    // Most sizes are one number or one name.
+    if let [token] = tokens {
+        match token.kind {
+            super::lexer::Kind::Number => return number(token.text, token.span),
+            super::lexer::Kind::Name if !matches!(token.text, "true" | "false") => {
+                return names.value(token.text, token.span);
+            }
+            _ => {}
+        }
+    }
+    let parsed = Parser::expression_over(tokens).map_err(|error| error.problem(whole))?;
+    evaluate(&parsed, names)
+}
+
+/// The value of an expression.
+pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
+    let fault = |fault, text: &str| problem(fault, text, e.mark);
+    match &e.kind {
+        ExprKind::Number(text) => number(text, e.mark),
+        ExprKind::Bool(value) => Ok(Value::Bool(*value)),
+        ExprKind::Name(name) => names.value(name, e.mark),
+        ExprKind::Unary(op, inner) => {
+            let value = evaluate(inner, names)?;
+            let result = if N::DIRECTIVE && *op == Unary::Not {
+                let truth = value.convert(Kind::Bool);
+                truth.and_then(|v| constant::unary("!", &v)?.convert(Kind::Long))
+            } else {
+                constant::unary(op.text(), &value)
+            };
+            result.map_err(|why| fault(why, op.text()))
+        }
+        ExprKind::Binary(op, a, b) => {
+            let a = evaluate(a, names)?;
+            let truth = a.integer().map(|value| value != 0);
+            let decided = N::DIRECTIVE
+                && match op.text() {
+                    "&&" => truth == Some(false),
+                    "||" => truth == Some(true),
+                    _ => false,
+                };
+            if decided {
+                names.begin_unevaluated();
+            }
+            let b = evaluate(b, names);
+            if decided {
+                names.end_unevaluated();
+            }
+            let b = b?;
+            let result = match N::DIRECTIVE {
+                true => in_directive(*op, &a, &b),
+                false => constant::binary(op.text(), &a, &b),
+            };
+            result.map_err(|why| fault(why, op.text()))
+        }
+        ExprKind::Choose(parts) => {
+            let [condition, accept, reject] = &**parts;
+            let condition = evaluate(condition, names)?;
+            let truth = condition
+                .truth()
+                .or_else(|| condition.integer().map(|v| v != 0))
+                .ok_or_else(|| Problem::new(e.mark, "has a condition that is no truth value"))?;
+            let (chosen, other) = if truth { (accept, reject) } else { (reject, accept) };
+            let (chosen, other) = (evaluate(chosen, names), evaluate(other, names));
+            match other {
+                // `N == 0 ? 1 : 8 / N` has a value.
+                Err(problem) if !problem.fault => Err(problem),
+                Err(_) | Ok(_) => chosen,
+            }
+        }
+        ExprKind::Index(base, index) => {
+            let (value, index) = (evaluate(base, names)?, evaluate(index, names)?);
+            let at = index.integer().and_then(|i| usize::try_from(i).ok());
+            match (&value, at) {
+                (Value::List(items), Some(i)) if i < items.len() => Ok(items[i].clone()),
+                _ => Err(Problem::new(e.mark, "has an index out of range")),
+            }
+        }
+        ExprKind::Member(base, name) => swizzle(&evaluate(base, names)?, name.text, e.mark),
+        ExprKind::Length(base) => match evaluate(base, names)? {
+            Value::List(items) if i32::try_from(items.len()).is_ok() => {
+                Ok(Value::Int(items.len() as i32))
+            }
+            _ => Err(Problem::new(e.mark, "asks for the length of what is no array")),
+        },
+        ExprKind::List(items) => list(items, names).map(Value::List),
+        ExprKind::Construct(ty, arguments) => {
+            let arguments = list(arguments, names)?;
+            let name = match ty.base {
+                TypeBase::Name(name) if ty.dims.is_empty() => name,
+                TypeBase::Name(_) | TypeBase::Struct(_) => return Ok(Value::List(arguments)),
+            };
+            construct(name, &arguments)
+                .unwrap_or_else(|| constant::call(name, &arguments))
+                .map_err(|why| fault(why, name))
+        }
+        ExprKind::Call(name, arguments) => {
+            let arguments = list(arguments, names)?;
+            constant::call(name.text, &arguments).map_err(|why| fault(why, name.text))
+        }
+        ExprKind::Assign(op, ..) => {
+            let text = op.map_or("=", Binary::text);
+            Err(Problem::new(e.mark, format!("has an unexpected `{text}`")))
+        }
+        ExprKind::Step(step, _) => {
+            let text = if step.increment { "+" } else { "-" };
+            Err(Problem::new(e.mark, format!("has an unexpected `{text}`")))
+        }
+        ExprKind::Comma(..) => Err(Problem::new(e.mark, "has an unexpected `,`")),
+    }
+}
+
+fn list<N: Names>(items: &[Expr<'_>], names: &mut N) -> Result<Vec<Value>, Problem> {
+    items.iter().map(|item| evaluate(item, names)).collect()
+}
+
+/// An operator of an `#if` condition, where truth values are integers.
+fn in_directive(op: Binary, a: &Value, b: &Value) -> Result<Value, Fault> {
+    let logic = matches!(op, Binary::And | Binary::Or | Binary::Xor);
+    let operand = |v: &Value| if logic { v.convert(Kind::Bool) } else { Ok(v.clone()) };
+    constant::binary(op.text(), &operand(a)?, &operand(b)?)?.convert(Kind::Long)
+}
+
+/// The kind of constant that holds a scalar's values.
+pub fn kind_of(scalar: Scalar) -> Kind {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => Kind::Bool,
+        (ScalarKind::Sint, 8) => Kind::Long,
+        (ScalarKind::Sint, _) => Kind::Int,
+        (ScalarKind::Uint, 8) => Kind::Ulong,
+        (ScalarKind::Uint, _) => Kind::Uint,
+        (
+            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
+            _,
+        ) => Kind::Float,
+    }
+}
+
+/// A scalar or vector constructor; `None` when the name is of no such type.
+fn construct(name: &str, args: &[Value]) -> Option<Result<Value, Fault>> {
+    let (kind, size) = match builtin(name)? {
+        Builtin::Data(Type::Scalar(scalar)) => (kind_of(scalar), None),
+        Builtin::Data(Type::Vector { scalar, rows }) => (kind_of(scalar), Some(usize::from(rows))),
+        _ => return None,
+    };
+    let mut components = Vec::new();
+    for arg in args {
+        match arg.convert(kind) {
+            Ok(Value::List(items)) => components.extend(items),
+            Ok(scalar) => components.push(scalar),
+            Err(fault) => return Some(Err(fault)),
+        }
+    }
+    Some(match (size, components.len()) {
+        (_, 0) => Err(Fault::Mismatch),
+        (None, _) => Ok(components.swap_remove(0)),
+        // GLSL 4.60 §5.4.2: one scalar fills all components; surplus components are dropped.
+        (Some(size), 1) => Ok(Value::List(vec![components[0].clone(); size])),
+        (Some(size), count) if count >= size => {
+            components.truncate(size);
+            Ok(Value::List(components))
+        }
+        (Some(_), _) => Err(Fault::Mismatch),
+    })
+}
+
+fn swizzle(value: &Value, name: &str, span: Span) -> Result<Value, Problem> {
+    let wrong = || Problem::new(span, format!("selects `{name}`, which is no component"));
+    let Value::List(items) = value else { return Err(wrong()) };
+    let mut picked = Vec::new();
+    for letter in name.chars() {
+        let sets = ["xyzw", "rgba", "stpq"];
+        let index = sets.iter().find_map(|set| set.find(letter)).ok_or_else(wrong)?;
+        picked.push(items.get(index).ok_or_else(wrong)?.clone());
+    }
+    Ok(if picked.len() == 1 { picked.swap_remove(0) } else { Value::List(picked) })
+}
+
+fn problem(fault: Fault, text: &str, span: Span) -> Problem {
+    let message = match fault {
+        Fault::DivisionByZero => "divides by zero".to_string(),
+        Fault::Overflow => "overflows".to_string(),
+        Fault::Mismatch => format!("has operands that do not fit `{text}`"),
+        Fault::Unsupported => format!("calls `{text}`, which landfall does not evaluate"),
+    };
+    Problem { fault: true, ..Problem::new(span, message) }
+}
+
+fn number(text: &str, span: Span) -> Result<Value, Problem> {
+    match literal(text) {
+        Ok((value, _)) => Ok(value),
+        Err(NotANumber::Malformed) => {
+            Err(Problem::new(span, format!("has `{text}`, which is no number")))
+        }
+        Err(NotANumber::TooLarge) => {
+            Err(Problem::new(span, format!("has `{text}`, which does not fit 32 bits")))
+        }
+    }
+}
+
+/// Why a literal has no value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotANumber {
+    /// It is not spelt as a number.
+    Malformed,
+    /// It is an integer past 32 bits without a suffix for 64.
+    TooLarge,
+}
+
+/// The value and type of a literal (GLSL 4.60 §4.1.3 and §4.1.4).
+///
+/// # Errors
+/// Why it has none.
+pub fn literal(text: &str) -> Result<(Value, Scalar), NotANumber> {
+    let lower = text.to_ascii_lowercase();
+    let hex = lower.starts_with("0x");
+    if !hex && (lower.contains(['.', 'e']) || lower.ends_with('f')) {
+        let (digits, width) = match (lower.strip_suffix("lf"), lower.strip_suffix("hf")) {
+            (Some(digits), _) => (digits, 8),
+            (_, Some(digits)) => (digits, 2),
+            _ => (lower.strip_suffix('f').unwrap_or(&lower), 4),
+        };
+        let value = digits.parse().map_err(|_| NotANumber::Malformed)?;
+        return Ok((Value::Float(value), Scalar { kind: ScalarKind::Float, width }));
+    }
+    let digits = lower.trim_end_matches(['u', 'l', 's']);
+    let suffix = &lower[digits.len()..];
+    let (kind, width) = match suffix {
+        "" => (ScalarKind::Sint, 4),
+        "u" => (ScalarKind::Uint, 4),
+        "l" => (ScalarKind::Sint, 8),
+        "ul" => (ScalarKind::Uint, 8),
+        "s" => (ScalarKind::Sint, 2),
+        "us" => (ScalarKind::Uint, 2),
+        _ => return Err(NotANumber::Malformed),
+    };
+    let bits = match digits {
+        _ if hex => u64::from_str_radix(&digits[2..], 16),
+        _ if digits.len() > 1 && digits.starts_with('0') => u64::from_str_radix(&digits[1..], 8),
+        _ => digits.parse(),
+    }
+    .map_err(|_| NotANumber::Malformed)?;
+    let value = match (kind, width) {
+        (ScalarKind::Uint, 8) => Value::Ulong(bits),
+        (_, 8) => Value::Long(bits as i64),
+        _ if bits > u64::from(u32::MAX) => return Err(NotANumber::TooLarge),
+        (ScalarKind::Uint, _) => Value::Uint(bits as u32),
+        // A literal past 2^31 keeps its bits, so that `0xffffffff` is -1; kept wide for sizes.
+        _ if bits > i32::MAX as u64 && !hex => Value::Long(bits as i64),
+        _ => Value::Int(bits as u32 as i32),
+    };
+    Ok((value, Scalar { kind, width }))
+}

@@ -1,0 +1,366 @@
+//! From tokens to the syntax tree of [`ast`](super::ast): the parser of GLSL.
+//!
+//! [`declaration`] (with [`qualifiers`]) reads what stands outside functions and recovers from syntax errors
+//! ([`recover`]); it keeps expressions and bodies as ranges of tokens. [`complete`] parses those,
+//! with [`expression`] and [`statement`].
+
+mod complete;
+mod declaration;
+mod expression;
+mod qualifiers;
+mod recover;
+mod statement;
+mod syntax_error;
+
+use crate::diagnostic::Code;
+use rustc_hash::FxHashSet;
+
+use super::ast::{Expr, Name, Precision, Precisions, Storage, Tokens};
+use super::lexer::{Kind, Token};
+use super::preprocess::Preprocessor;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::source::Span;
+pub use syntax_error::{Parsed, SyntaxError, Wanted};
+
+/// Longer shaders are not run: a text of so many tokens was made to exhaust memory.
+const MOST_TOKENS: usize = 1 << 20;
+
+/// So many tokens are kept before those of declarations that are done are forgotten.
+const ENOUGH: usize = 1 << 10;
+
+/// What becomes of the tokens of function bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bodies {
+    /// They are passed over as text.
+    Skip,
+    /// They are kept, to be parsed on demand.
+    Keep,
+}
+
+/// Parses the tokens of a preprocessor, or a list of tokens.
+pub struct Parser<'a> {
+    preprocessor: Option<Box<Preprocessor<'a>>>,
+    bodies: Bodies,
+    tokens: Vec<Token<'a>>,
+    at: usize,
+    /// Where reading ends, when a part is parsed.
+    limit: usize,
+    end: Token<'a>,
+    /// Diagnostics of a list of tokens; those of a preprocessor's tokens are with it.
+    diagnostics: Vec<Diagnostic>,
+    /// Where the declaration before this one began, for progress: token and macro definition.
+    passed: Option<(Span, Option<Span>)>,
+    /// Names of structures declared so far.
+    structures: FxHashSet<&'a str>,
+    /// Structures being read, one inside the other.
+    open_structures: u32,
+    /// Whether expressions are parsed where they stand: in function bodies.
+    direct: bool,
+    precisions: Precisions,
+    /// Whether the dialect has precisions.
+    has_precisions: bool,
+    /// The precision written before the type that follows.
+    written: Option<Precision>,
+    /// What `varying` is in this stage.
+    varying: Storage,
+    depth: u32,
+    /// Statements being read, one inside the other.
+    statements: u32,
+    /// Names that stand for qualifiers, where macros are not expanded.
+    qualifier_macros: FxHashSet<&'a str>,
+}
+
+impl<'a> Parser<'a> {
+    /// A parser of a shader at its first token.
+    pub(super) fn new(mut preprocessor: Preprocessor<'a>, bodies: Bodies) -> Parser<'a> {
+        let first = preprocessor.next();
+        let mut tokens = Vec::with_capacity(ENOUGH / 2);
+        tokens.push(first);
+        let mut parser = Parser::over(tokens);
+        parser.bodies = bodies;
+        parser.preprocessor = Some(Box::new(preprocessor));
+        parser
+    }
+
+    /// A parser of a list of tokens.
+    pub fn over(tokens: Vec<Token<'a>>) -> Parser<'a> {
+        let last = tokens.last().map_or(Span::default(), |last| last.span);
+        let end = Token {
+            kind: Kind::End,
+            text: "",
+            span: Span { start: last.end, ..last },
+            definition: None,
+            comments: 0,
+            first: false,
+            spaced: false,
+            frozen: false,
+        };
+        Parser {
+            preprocessor: None,
+            bodies: Bodies::Keep,
+            tokens,
+            at: 0,
+            limit: usize::MAX,
+            end,
+            diagnostics: Vec::new(),
+            passed: None,
+            structures: FxHashSet::default(),
+            open_structures: 0,
+            direct: false,
+            precisions: Precisions::default(),
+            has_precisions: false,
+            written: None,
+            varying: Storage::Varying,
+            depth: 0,
+            statements: 0,
+            qualifier_macros: FxHashSet::default(),
+        }
+    }
+
+    /// A parser that takes those names for qualifiers: macros that are not expanded.
+    pub(crate) fn with_qualifier_macros(self, qualifier_macros: FxHashSet<&'a str>) -> Parser<'a> {
+        Parser { qualifier_macros, ..self }
+    }
+
+    /// The index of the token to be read next.
+    pub fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Drops the diagnostics so far.
+    pub(crate) fn forget_diagnostics(&mut self) {
+        self.diagnostics.clear();
+    }
+
+    /// The preprocessor behind the tokens.
+    pub(super) fn preprocessor(&mut self) -> &mut Preprocessor<'a> {
+        self.preprocessor.as_mut().expect("a shader's parser has a preprocessor")
+    }
+
+    /// Whether the shader is written for OpenGL ES.
+    pub fn is_es(&self) -> bool {
+        self.preprocessor.as_ref().is_some_and(|preprocessor| preprocessor.version.es)
+    }
+
+    /// All tokens read so far; bodies are not among them where they are skipped.
+    pub fn tokens(&self) -> &[Token<'a>] {
+        &self.tokens
+    }
+
+    /// The token of a name.
+    pub fn token_of(&self, name: &Name<'a>) -> Token<'a> {
+        self.tokens[name.at]
+    }
+
+    /// The token before one; at the start of the shader one of kind `End`.
+    pub(super) fn before(&self, at: usize) -> Token<'a> {
+        match at.checked_sub(1) {
+            Some(before) => self.tokens[before],
+            None => Token { kind: Kind::End, text: "", ..*self.token() },
+        }
+    }
+
+    /// Forgets the tokens of the declarations read so far.
+    pub(super) fn forget(&mut self) {
+        if self.at > ENOUGH {
+            self.tokens.drain(..self.at - 1);
+            self.at = 1;
+        }
+    }
+
+    fn token(&self) -> &Token<'a> {
+        if self.at >= self.limit {
+            return &self.end;
+        }
+        self.tokens.get(self.at).unwrap_or(&self.end)
+    }
+
+    fn ahead(&mut self, count: usize) -> &Token<'a> {
+        let at = self.at + count;
+        if at >= self.limit {
+            return &self.end;
+        }
+        self.load(at);
+        self.tokens.get(at).unwrap_or(&self.end)
+    }
+
+    /// Reads tokens from the preprocessor up to that one. After the end come no more.
+    fn load(&mut self, at: usize) {
+        if at < self.tokens.len() {
+            return;
+        }
+        let Some(preprocessor) = &mut self.preprocessor else { return };
+        while self.tokens.len() <= at {
+            if self.tokens.last().is_some_and(|last| last.kind == Kind::End) {
+                let end = self.tokens[self.tokens.len() - 1];
+                self.end = end;
+                return;
+            }
+            let token = preprocessor.next();
+            self.tokens.push(token);
+            if self.bodies == Bodies::Keep && self.tokens.len() == MOST_TOKENS {
+                let message = format!("the shader has more than {MOST_TOKENS} tokens");
+                preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
+                preprocessor.stopped = true;
+            }
+        }
+    }
+
+    /// Goes on to the next token; returns the one passed.
+    fn bump(&mut self) -> Token<'a> {
+        let token = *self.token();
+        if token.kind != Kind::End {
+            self.at += 1;
+            if self.at < self.limit {
+                self.load(self.at);
+            }
+        }
+        token
+    }
+
+    fn is(&self, text: &str) -> bool {
+        self.token().is(text)
+    }
+
+    fn eat(&mut self, text: &str) -> bool {
+        let found = self.is(text);
+        if found {
+            self.bump();
+        }
+        found
+    }
+
+    fn eat_two(&mut self) {
+        self.bump();
+        self.bump();
+    }
+
+    /// Whether these two stand here with nothing between: `+=`, `++`.
+    fn is_pair(&mut self, first: &str, second: &str) -> bool {
+        if !self.is(first) {
+            return false;
+        }
+        let b = self.ahead(1);
+        b.is(second) && !b.spaced && (b.definition.is_some() || !b.first)
+    }
+
+    /// Passes that operator or bracket.
+    fn expect(&mut self, text: &'static str) -> Parsed<Span> {
+        if self.is(text) {
+            return Ok(self.bump().span);
+        }
+        Err(self.unexpected(Wanted::Token(text)))
+    }
+
+    fn unexpected(&self, wanted: Wanted) -> SyntaxError {
+        let token = self.token();
+        let end = token.kind == Kind::End;
+        let found = match self.tokens.get(self.limit) {
+            Some(past) if end => past.text,
+            _ => token.text,
+        };
+        SyntaxError::Unexpected { span: token.span, found: found.to_string(), end, wanted }
+    }
+
+    fn name(&mut self) -> Parsed<Name<'a>> {
+        if self.token().kind != Kind::Name {
+            return Err(self.unexpected(Wanted::Name));
+        }
+        Ok(self.name_here())
+    }
+
+    /// The current token as a name, passed.
+    fn name_here(&mut self) -> Name<'a> {
+        let at = self.at;
+        let token = self.bump();
+        Name { text: token.text, span: token.span, at }
+    }
+
+    /// From there to the end of what was read last.
+    fn since(&self, start: Span) -> Span {
+        start.to(self.before(self.at).span)
+    }
+
+    /// The diagnostics so far.
+    pub(crate) fn diagnostics(&self) -> &Vec<Diagnostic> {
+        match &self.preprocessor {
+            Some(preprocessor) => &preprocessor.diagnostics,
+            None => &self.diagnostics,
+        }
+    }
+
+    pub(super) fn report(&mut self, diagnostic: Diagnostic) {
+        match &mut self.preprocessor {
+            Some(preprocessor) => preprocessor.report(diagnostic),
+            None => self.diagnostics.push(diagnostic),
+        }
+    }
+
+    /// The first error since there were so many diagnostics; the others came of it.
+    fn failed_since(&mut self, count: usize) -> Parsed<()> {
+        let diagnostics = match &mut self.preprocessor {
+            Some(preprocessor) => &mut preprocessor.diagnostics,
+            None => &mut self.diagnostics,
+        };
+        let error = |d: &Diagnostic| d.severity == Severity::Error;
+        match diagnostics[count..].iter().position(error) {
+            Some(at) => {
+                let first = diagnostics.remove(count + at);
+                diagnostics.truncate(count);
+                Err(SyntaxError::Other(Box::new(first)))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The number of errors so far.
+    fn errors(&self) -> usize {
+        self.diagnostics().iter().filter(|d| d.severity == Severity::Error).count()
+    }
+
+    /// Parses a part of the tokens that must take them all.
+    fn part<T>(
+        &mut self,
+        tokens: &Tokens,
+        parse: impl FnOnce(&mut Self) -> Parsed<T>,
+    ) -> Parsed<T> {
+        let (at, limit, direct) = (self.at, self.limit, self.direct);
+        let end = self.end;
+        if let Some(past) = self.tokens.get(tokens.end) {
+            self.end = Token { kind: Kind::End, text: "", ..*past };
+        }
+        (self.at, self.limit, self.direct) = (tokens.start, tokens.end, true);
+        let result = parse(self).and_then(|result| match self.token().kind {
+            Kind::End => Ok(result),
+            _ => Err(self.unexpected(Wanted::End)),
+        });
+        (self.at, self.limit, self.direct, self.end) = (at, limit, direct, end);
+        result
+    }
+
+    /// Parses a part of the tokens as an expression.
+    pub(super) fn expression_of(&mut self, tokens: &Tokens) -> Parsed<Expr<'a>> {
+        self.depth = 0;
+        self.part(tokens, Self::assignment)
+    }
+
+    /// Parses a list of tokens as an expression.
+    pub(super) fn expression_over(tokens: &[Token<'a>]) -> Parsed<Expr<'a>> {
+        let mut parser = Parser::over(tokens.to_vec());
+        let all = 0..tokens.len();
+        parser.expression_of(&all)
+    }
+}
+
+/// A finding at a token, with the macro it came out of.
+pub(super) fn diagnostic_at(
+    token: &Token<'_>,
+    code: Code,
+    message: impl Into<String>,
+) -> Diagnostic {
+    let diagnostic = Diagnostic::error(code, token.span, message);
+    match token.definition {
+        Some(definition) => diagnostic.with_label(definition, "from this macro"),
+        None => diagnostic,
+    }
+}

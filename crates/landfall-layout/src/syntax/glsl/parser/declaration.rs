@@ -1,0 +1,462 @@
+//! Declarations: types, variables, blocks, functions (GLSL 4.60 §4, §6.1).
+
+use crate::diagnostic::Code;
+use std::rc::Rc;
+
+use super::{Bodies, Parsed, Parser, SyntaxError, Wanted, diagnostic_at};
+use crate::diagnostic::Diagnostic;
+use crate::other_language;
+use crate::source::Span;
+use crate::syntax::glsl::ast::{
+    BlockDecl, Declaration, Declarator, Dim, Expr, FunctionDecl, Item, Name, Qualifiers, Storage,
+    StructDecl, Tokens, TypeBase, TypeSpec,
+};
+use crate::syntax::glsl::lexer::{Kind, Token};
+
+/// Structures may be declared inside each other this deep; the language forbids it altogether.
+const DEEPEST_STRUCTURE: u32 = 16;
+
+impl<'a> Parser<'a> {
+    /// The next global declaration; `None` at the end. Syntax errors are reported.
+    pub fn item(&mut self) -> Option<Item<'a>> {
+        let here = (self.token().span, self.token().definition);
+        if self.passed == Some(here) {
+            self.bump(); // a declaration always passes something, whatever it was
+        }
+        if self.token().kind == Kind::End {
+            return None;
+        }
+        self.passed = Some((self.token().span, self.token().definition));
+        self.has_precisions = self.is_es();
+        Some(self.item_here())
+    }
+
+    fn item_here(&mut self) -> Item<'a> {
+        let start = self.at;
+        match self.token().text {
+            ";" => {
+                self.bump();
+                return Item::Other(start..self.at);
+            }
+            "precision" => {
+                self.precision_statement();
+                return Item::Precision(start..self.at);
+            }
+            "[" => {
+                self.skip_balanced();
+                return Item::Other(start..self.at);
+            }
+            _ => {}
+        }
+        if self.is_other_language() {
+            while self.token().kind != Kind::End {
+                self.bump();
+            }
+            return Item::Other(start..self.at);
+        }
+        let qualifiers = self.qualifiers();
+        if self.is(";") && qualifiers.any {
+            self.bump();
+            return Item::Defaults(qualifiers);
+        }
+        if self.is("struct") {
+            return self.variables_of_structure(start, qualifiers);
+        }
+        if self.token().kind != Kind::Name {
+            self.report_unexpected();
+            return Item::Other(start..self.at);
+        }
+        let next = *self.ahead(1);
+        let with_bytes = matches!(qualifiers.storage, Storage::Uniform | Storage::Buffer);
+        let without_bytes = !matches!(qualifiers.storage, Storage::Plain | Storage::Const);
+        if next.is("{") && with_bytes {
+            self.block_item(start, qualifiers)
+        } else if next.is("{") && without_bytes {
+            self.interface(start, qualifiers)
+        } else if (next.is(";") || next.is(",")) && qualifiers.any {
+            let name = Name { text: self.token().text, span: self.token().span, at: self.at };
+            self.skip_statement();
+            Item::Requalified(qualifiers, name)
+        } else {
+            self.variables(start, qualifiers)
+        }
+    }
+
+    /// Refuses a shader whose next declaration is one of another shading language.
+    fn is_other_language(&mut self) -> bool {
+        let first = *self.token();
+        let known = self.structures.contains(first.text);
+        if first.definition.is_some() || known || !other_language::may_begin(first.text) {
+            return false;
+        }
+        let next = *self.ahead(1);
+        let Some(language) = other_language::of_words(first.text, next.text) else { return false };
+        let Some(preprocessor) = &mut self.preprocessor else { return false };
+        let message = format!("`{}` begins a declaration of {language}, not of GLSL", first.text);
+        let help = match language {
+            "WGSL" => "name the file `.wgsl`, or say `--language wgsl`",
+            _ => "landfall reads GLSL and WGSL",
+        };
+        preprocessor.report(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
+        preprocessor.stopped = true;
+        true
+    }
+
+    /// `in NAME { … } name[];`: it has locations, not bytes.
+    fn interface(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
+        let name = self.name_here();
+        self.skip_balanced();
+        self.skip_statement();
+        Item::Interface(BlockDecl {
+            tokens: start..self.at,
+            qualifiers,
+            name,
+            members: Vec::new(),
+            instance: None,
+            dims: Vec::new(),
+            closed: true,
+            diagnostics: self.diagnostics().len(),
+        })
+    }
+
+    fn block_item(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
+        let name = self.name_here();
+        let open = self.bump();
+        let diagnostics = self.diagnostics().len();
+        let members = self.members(name.text);
+        let closed = self.close(&open);
+        let (mut instance, mut dims) = (None, Vec::new());
+        if closed {
+            if self.token().kind == Kind::Name {
+                instance = Some(self.name_here());
+                dims = self.dims();
+            }
+            self.end_of_statement();
+        }
+        let tokens = start..self.at;
+        Item::Block(BlockDecl {
+            tokens,
+            qualifiers,
+            name,
+            members,
+            instance,
+            dims,
+            closed,
+            diagnostics,
+        })
+    }
+
+    /// The body of a block that was passed over.
+    pub(super) fn interface_body(&mut self, block: &mut BlockDecl<'a>) -> Parsed<()> {
+        let count = self.diagnostics().len();
+        self.expect("{")?;
+        block.members = self.members(block.name.text);
+        self.failed_since(count)?;
+        self.expect("}")?;
+        if self.token().kind == Kind::Name {
+            block.instance = Some(self.name()?);
+            block.dims = self.dims();
+            self.failed_since(count)?;
+        }
+        self.expect(";")?;
+        Ok(())
+    }
+
+    /// `struct NAME { … } a, b;`
+    fn variables_of_structure(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
+        let (mut ty, closed) = self.structure_type();
+        let mut names = Vec::new();
+        if closed {
+            if self.is(";") {
+                self.bump();
+            } else {
+                ty.dims = self.dims();
+                names = self.declarators();
+            }
+        }
+        let tokens = start..self.at;
+        Item::Variables(Rc::new(Declaration { tokens, qualifiers, ty, names, broken: false }))
+    }
+
+    fn structure_type(&mut self) -> (TypeSpec<'a>, bool) {
+        self.written = None;
+        let (at, span) = (self.at, self.token().span);
+        let structure = self.structure();
+        let closed = structure.closed;
+        let base = TypeBase::Struct(Rc::new(structure));
+        let ty = TypeSpec { base, at, dims: Vec::new(), span, parameters: false, precision: None };
+        (ty, closed)
+    }
+
+    /// A type that is named, its dimensions not included.
+    fn named_type(&mut self) -> TypeSpec<'a> {
+        let written = self.written.take();
+        let name = self.name_here();
+        TypeSpec {
+            base: TypeBase::Name(name.text),
+            at: name.at,
+            dims: Vec::new(),
+            span: name.span,
+            parameters: false,
+            precision: self.precision_of(written, name.text),
+        }
+    }
+
+    /// `TYPE a, b;`, or a function.
+    fn variables(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
+        let mut ty = self.named_type();
+        let uniform = qualifiers.storage == Storage::Uniform;
+        let mut names = Vec::new();
+        if self.is("<") {
+            ty.parameters = true;
+            self.skip_angles();
+            if !uniform && !self.ahead(1).is("(") {
+                // A value of such a type may have commas of its own kind in its initialiser.
+                self.skip_statement();
+                let tokens = start..self.at;
+                let broken = true;
+                return Item::Variables(Rc::new(Declaration {
+                    tokens,
+                    qualifiers,
+                    ty,
+                    names,
+                    broken,
+                }));
+            }
+        }
+        ty.dims = self.dims();
+        let mut broken = false;
+        if self.token().kind != Kind::Name {
+            self.report_unexpected();
+            broken = true;
+        } else if self.ahead(1).is("(") && !uniform {
+            return self.function(start, ty);
+        } else {
+            names = self.declarators();
+        }
+        let tokens = start..self.at;
+        Item::Variables(Rc::new(Declaration { tokens, qualifiers, ty, names, broken }))
+    }
+
+    /// `NAME ( … ) ;` or `NAME ( … ) { … }`, its type passed.
+    fn function(&mut self, start: usize, returns: TypeSpec<'a>) -> Item<'a> {
+        let name = self.name_here();
+        let open = self.at;
+        self.skip_balanced();
+        let parameter_tokens = open + 1..(self.at - 1).max(open + 1);
+        let mut body_tokens = None;
+        if self.is("{") {
+            let first = self.at + 1;
+            self.pass_body(name.text);
+            body_tokens = Some(first.min(self.at)..self.at.saturating_sub(1).max(first));
+        } else {
+            self.end_of_statement();
+        }
+        Item::Function(Rc::new(FunctionDecl {
+            tokens: start..self.at,
+            name,
+            returns,
+            parameter_tokens,
+            parameters: Vec::new(),
+            body_tokens,
+            body: None,
+        }))
+    }
+
+    /// Passes the body of a function, its `{` the current token.
+    fn pass_body(&mut self, function: &str) {
+        let open = *self.token();
+        let closed = match self.bodies {
+            Bodies::Keep => self.skip_braces(),
+            Bodies::Skip => self.preprocessor().skip_body(&open),
+        };
+        if !closed {
+            let message = format!("the body of `{function}` is never closed");
+            self.report(diagnostic_at(&open, Code::UnclosedBrace, message));
+        }
+        if self.bodies == Bodies::Skip {
+            self.tokens.push(Token { text: "}", ..open });
+            self.bump();
+            self.bump();
+        }
+    }
+
+    /// `struct [NAME] { … }`
+    fn structure(&mut self) -> StructDecl<'a> {
+        let start = self.at;
+        let keyword = self.bump();
+        let name = match self.token().kind {
+            Kind::Name => self.name_here(),
+            _ => Name { text: "", span: keyword.span, at: start },
+        };
+        let mut structure =
+            StructDecl { name, members: Vec::new(), closed: false, tokens: start..self.at };
+        let open = *self.token();
+        if !self.expect_or_report("{") {
+            self.recover();
+            return structure;
+        }
+        if self.open_structures == DEEPEST_STRUCTURE {
+            let message = format!(
+                "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
+            );
+            let token = self.token_of(&name);
+            self.report(diagnostic_at(&token, Code::NestedTooDeep, message));
+            if let Some(preprocessor) = &mut self.preprocessor {
+                preprocessor.stopped = true;
+            }
+            return structure;
+        }
+        self.open_structures += 1;
+        structure.members = self.members(self.token_of(&name).text);
+        self.open_structures -= 1;
+        structure.closed = self.close(&open);
+        structure.tokens.end = self.at;
+        if !name.text.is_empty() {
+            self.structures.insert(name.text);
+        }
+        structure
+    }
+
+    /// The members up to `}`. `owner` names the structure or block in messages.
+    fn members(&mut self, owner: &str) -> Vec<Declaration<'a>> {
+        let mut members = Vec::new();
+        while !self.is("}") && self.token().kind != Kind::End {
+            if self.eat(";") {
+                continue;
+            }
+            let diagnostics = self.diagnostics().len();
+            let position = self.token().span;
+            members.extend(self.member(owner));
+            if self.diagnostics().len() > diagnostics && position == self.token().span {
+                break; // nothing was passed: the rest is no member list
+            }
+        }
+        members
+    }
+
+    fn member(&mut self, owner: &str) -> Option<Declaration<'a>> {
+        let start = self.at;
+        let qualifiers = self.qualifiers();
+        let mut ty = if self.is("struct") {
+            let (ty, closed) = self.structure_type();
+            if !closed {
+                let (tokens, names) = (start..self.at, Vec::new());
+                return Some(Declaration { tokens, qualifiers, ty, names, broken: true });
+            }
+            ty
+        } else if self.token().kind == Kind::Name {
+            self.named_type()
+        } else {
+            let token = *self.token();
+            let message = format!("unexpected `{}` among the members of `{owner}`", token.text);
+            self.report(diagnostic_at(&token, Code::Syntax, message));
+            self.recover_member();
+            return None;
+        };
+        ty.dims = self.dims();
+        let errors = self.errors();
+        let names = self.declarators();
+        let broken = self.errors() > errors;
+        Some(Declaration { tokens: start..self.at, qualifiers, ty, names, broken })
+    }
+
+    /// A declaration in a body; `None` for a prototype or another thing without effect.
+    pub(super) fn local_declaration(&mut self) -> Parsed<Option<Declaration<'a>>> {
+        let start = self.at;
+        let qualifiers = self.qualifiers();
+        let again = qualifiers.any && !self.is("struct");
+        if again && (self.ahead(1).is(";") || self.ahead(1).is(",")) {
+            self.skip_to_semicolon();
+            return Ok(None);
+        }
+        let count = self.diagnostics().len();
+        let ty = self.type_spec()?;
+        if self.token().kind == Kind::Name && self.ahead(1).is("(") {
+            self.skip_to_semicolon();
+            return Ok(None);
+        }
+        let names = if self.eat(";") { Vec::new() } else { self.declarators() };
+        self.failed_since(count)?;
+        let tokens = start..self.at;
+        Ok(Some(Declaration { tokens, qualifiers, ty, names, broken: false }))
+    }
+
+    /// `a, b[2] = …;`
+    fn declarators(&mut self) -> Vec<Declarator<'a>> {
+        let mut declarators = Vec::with_capacity(1);
+        loop {
+            if self.token().kind != Kind::Name {
+                self.report_unexpected();
+                return declarators;
+            }
+            let name = self.name_here();
+            let dims = self.dims();
+            let (mut tokens, mut init) = (self.at..self.at, None);
+            if self.eat("=") {
+                (tokens, init) = self.code(&[",", ";"]);
+            }
+            declarators.push(Declarator { name, dims, tokens, init });
+            if !self.eat(",") {
+                break;
+            }
+        }
+        self.end_of_statement();
+        declarators
+    }
+
+    /// `[…]` as often as it stands here.
+    pub(super) fn dims(&mut self) -> Vec<Dim<'a>> {
+        let mut dims = Vec::new();
+        while self.is("[") {
+            let open = self.bump();
+            let (tokens, size) = self.code(&["]"]);
+            let span = open.span.to(self.token().span);
+            if !self.expect_or_report("]") {
+                break;
+            }
+            dims.reserve_exact(1);
+            dims.push(Dim { tokens, span, size });
+        }
+        dims
+    }
+
+    /// An expression up to one of `ends`: parsed where bodies are parsed, else passed over.
+    pub(super) fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Box<Expr<'a>>>) {
+        let start = self.at;
+        if !self.direct {
+            self.skip_until(ends);
+            return (start..self.at, None);
+        }
+        if ends.iter().any(|end| self.is(end)) {
+            return (start..start, None);
+        }
+        let parsed = if ends == ["]"] { self.expression() } else { self.assignment() };
+        let expr = parsed.map_err(|error| self.report(*error.diagnostic())).ok();
+        (start..self.at, expr.map(Box::new))
+    }
+
+    /// A type where bodies and parameters are parsed.
+    pub(super) fn type_spec(&mut self) -> Parsed<TypeSpec<'a>> {
+        let count = self.diagnostics().len();
+        let mut ty = if self.is("struct") {
+            self.structure_type().0
+        } else if self.token().kind == Kind::Name {
+            self.named_type()
+        } else {
+            return Err(self.unexpected(Wanted::Name));
+        };
+        if self.is("<") {
+            return Err(parametric(ty.span));
+        }
+        ty.dims = self.dims();
+        self.failed_since(count)?;
+        Ok(ty)
+    }
+}
+
+/// A refusal of `coopmat<…>` and the like.
+pub(super) fn parametric(span: Span) -> SyntaxError {
+    let message = "types with parameters cannot run";
+    SyntaxError::Other(Box::new(Diagnostic::error(Code::CannotRun, span, message)))
+}

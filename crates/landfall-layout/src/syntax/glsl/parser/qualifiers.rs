@@ -1,0 +1,180 @@
+//! Qualifiers and default precisions (GLSL 4.60 §4.3 to §4.10).
+
+use super::{Parser, diagnostic_at};
+use crate::Severity;
+use crate::diagnostic::Code;
+use crate::syntax::glsl::ast::{LayoutId, Name, Precision, Qualifiers, Storage};
+use crate::syntax::glsl::layout_ids;
+use crate::syntax::glsl::lexer::Kind;
+use crate::syntax::glsl::qualifiers::{OTHER_STORAGE, is_qualifier};
+
+/// Whether a qualifier may stand alone: `layout(…) in;`.
+fn is_alone(word: &str) -> bool {
+    matches!(word, "in" | "out" | "uniform" | "buffer")
+}
+
+fn precision(word: &str) -> Option<Precision> {
+    match word {
+        "lowp" => Some(Precision::Low),
+        "mediump" => Some(Precision::Medium),
+        "highp" => Some(Precision::High),
+        _ => None,
+    }
+}
+
+impl<'a> Parser<'a> {
+    /// Reads qualifiers as long as there are some.
+    pub(super) fn qualifiers(&mut self) -> Qualifiers<'a> {
+        let mut qualifiers = Qualifiers { tokens: self.at..self.at, ..Qualifiers::default() };
+        self.written = None;
+        while self.token().kind == Kind::Name {
+            let word = self.token().text;
+            match word {
+                "layout" => {
+                    self.bump();
+                    self.layout_ids(&mut qualifiers.layout);
+                }
+                // GL_EXT_spirv_intrinsics: `spirv_instruction(…)`, `spirv_decorate(…)` and so on.
+                _ if word == "subroutine" || word.starts_with("spirv_") => {
+                    qualifiers.subroutine |= word == "subroutine";
+                    self.bump();
+                    if self.is("(") {
+                        self.skip_balanced();
+                    }
+                }
+                _ if is_qualifier(word) || self.qualifier_macros.contains(word) => {
+                    self.qualify(&mut qualifiers, word);
+                    self.bump();
+                }
+                _ => break,
+            }
+            qualifiers.any = true;
+        }
+        qualifiers.tokens.end = self.at;
+        qualifiers
+    }
+
+    fn qualify(&mut self, qualifiers: &mut Qualifiers<'a>, word: &str) {
+        let storage = match word {
+            "flat" => return qualifiers.flat = true,
+            "noperspective" => return qualifiers.noperspective = true,
+            "centroid" => return qualifiers.centroid = true,
+            "sample" => return qualifiers.sample = true,
+            "patch" => return qualifiers.patch = true,
+            "lowp" | "mediump" | "highp" => return self.written = precision(word),
+            "readonly" => return qualifiers.readonly = true,
+            "writeonly" => return qualifiers.writeonly = true,
+            "const" => {
+                qualifiers.constant = true;
+                match qualifiers.storage {
+                    Storage::Plain => Storage::Const,
+                    other => other,
+                }
+            }
+            "uniform" => Storage::Uniform,
+            // Two storages are an error; that of a block counts.
+            _ if matches!(qualifiers.storage, Storage::Uniform | Storage::Buffer) => return,
+            "buffer" => Storage::Buffer,
+            "in" | "attribute" => Storage::In,
+            "out" => Storage::Out,
+            "inout" => Storage::InOut,
+            "varying" => self.varying,
+            "shared" => Storage::Shared,
+            _ if OTHER_STORAGE.contains(&word) => Storage::Foreign,
+            _ => return,
+        };
+        qualifiers.storage = storage;
+    }
+
+    /// Whether a qualifier stands here: in old versions some are names, as `sample` is.
+    pub(super) fn stands_qualifier(&mut self) -> bool {
+        let word = self.token().text;
+        let wordy = is_qualifier(word) || matches!(word, "layout" | "subroutine");
+        if !wordy && !word.starts_with("spirv_") {
+            return false;
+        }
+        let next = self.ahead(1);
+        next.kind == Kind::Name || next.is("(") || next.is("{") || (next.is(";") && is_alone(word))
+    }
+
+    /// `( NAME [= EXPRESSION] , … )`
+    fn layout_ids(&mut self, ids: &mut Vec<LayoutId<'a>>) {
+        if !self.expect_or_report("(") {
+            return;
+        }
+        while !self.is(")") {
+            if self.token().kind != Kind::Name {
+                let token = *self.token();
+                let message = format!("`layout(…)` has an unexpected `{}`", token.text);
+                self.report(diagnostic_at(&token, Code::Syntax, message));
+                break;
+            }
+            let name = self.name_here();
+            let (mut tokens, mut value) = (self.at..self.at, None);
+            if self.eat("=") {
+                (tokens, value) = self.code(&[",", ")"]);
+            }
+            self.check_layout_id(&name);
+            ids.push(LayoutId { name, tokens, value });
+            if !self.eat(",") {
+                break;
+            }
+        }
+        self.expect_or_report(")");
+    }
+
+    /// Reports an entry of `layout(…)` that no compiler knows: an error where it is a known one
+    /// misspelt, a warning where it may belong to an extension that is not known here.
+    fn check_layout_id(&mut self, name: &Name<'a>) {
+        let text = name.text.to_ascii_lowercase();
+        // Where macros are not expanded, a name may stand for an entry.
+        if layout_ids::is_known(&text) || self.preprocessor.is_none() {
+            return;
+        }
+        let message = format!("there is no layout qualifier `{}`", name.text);
+        let token = self.token_of(name);
+        let mut diagnostic = diagnostic_at(&token, Code::LayoutQualifier, message);
+        match layout_ids::nearest(&text) {
+            Some(meant) => self.report(diagnostic.with_help(format!("there is `{meant}`"))),
+            None => {
+                diagnostic.severity = Severity::Warning;
+                let note = "it is taken to be an extension's and to change no layout";
+                self.preprocessor().diagnostics.push(diagnostic.with_note(note));
+            }
+        }
+    }
+
+    /// `precision mediump float;`
+    pub(super) fn precision_statement(&mut self) {
+        let said = precision(self.ahead(1).text);
+        if let Some(said) = said {
+            match self.ahead(2).text {
+                "float" => self.precisions.float = Some(said),
+                "sampler2D" | "samplerCube" => self.precisions.sampled = said,
+                _ => {}
+            }
+        }
+        match self.direct {
+            true => self.skip_to_semicolon(),
+            false => self.skip_statement(),
+        }
+    }
+
+    /// The precision of a type: what is written before it, or the default.
+    pub(super) fn precision_of(&self, written: Option<Precision>, name: &str) -> Option<Precision> {
+        if !self.has_precisions {
+            return None;
+        }
+        match name {
+            "sampler2D" | "samplerCube" => written.or(Some(self.precisions.sampled)),
+            _ if is_float(name) => written.or(self.precisions.float),
+            _ if name.starts_with("sampler") => written,
+            _ => None,
+        }
+    }
+}
+
+/// Whether a type holds floats, whose default precision `precision … float;` sets.
+pub(super) fn is_float(name: &str) -> bool {
+    name == "float" || name.starts_with("vec") || name.starts_with("mat")
+}

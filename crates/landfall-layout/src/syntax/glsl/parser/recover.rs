@@ -1,0 +1,238 @@
+//! Passing over what is not parsed yet, and going on where a declaration is broken.
+
+use super::{Bodies, Parser, diagnostic_at};
+use crate::diagnostic::Code;
+use crate::source::Span;
+use crate::syntax::glsl::lexer::{Kind, Token};
+
+impl<'a> Parser<'a> {
+    /// Passes that operator or bracket, or says that it is missing.
+    pub(super) fn expect_or_report(&mut self, text: &str) -> bool {
+        if self.eat(text) {
+            return true;
+        }
+        let token = *self.token();
+        let found = match token.kind {
+            Kind::End => "the end of the file".to_string(),
+            _ => format!("`{}`", token.text),
+        };
+        let diagnostic =
+            diagnostic_at(&token, Code::Syntax, format!("expected `{text}`, found {found}"));
+        let previous = self.before(self.at);
+        let after = Span { start: previous.span.end, ..previous.span };
+        self.report(match previous.kind {
+            Kind::End => diagnostic,
+            _ => diagnostic.with_label(after, format!("`{text}` may be missing here")),
+        });
+        false
+    }
+
+    /// Passes `}`; says what was left open if it is not there.
+    pub(super) fn close(&mut self, open: &Token<'a>) -> bool {
+        if self.eat("}") {
+            return true;
+        }
+        if self.token().kind == Kind::End {
+            self.report(diagnostic_at(open, Code::UnclosedBrace, "`{` is never closed"));
+        } else {
+            self.recover();
+        }
+        false
+    }
+
+    /// Passes tokens up to one of `ends` outside brackets. Words that can only begin a new
+    /// declaration end it too: then something is missing.
+    pub(super) fn skip_until(&mut self, ends: &[&str]) {
+        let mut depth = 0u32;
+        loop {
+            let token = self.token();
+            if token.kind == Kind::End || begins_declaration(token.text) {
+                return;
+            }
+            if depth == 0 && ends.contains(&token.text) {
+                return;
+            }
+            match token.text {
+                "(" | "[" | "{" => depth += 1,
+                ")" | "]" | "}" if depth == 0 => return,
+                ")" | "]" | "}" => depth -= 1,
+                _ => {}
+            }
+            self.bump();
+        }
+    }
+
+    /// Passes what stands between a bracket and its partner, both included.
+    pub(super) fn skip_balanced(&mut self) {
+        let open = *self.token();
+        let mut depth = 0u32;
+        loop {
+            match self.token().text {
+                "(" | "[" | "{" => depth += 1,
+                ")" | "]" | "}" => depth = depth.saturating_sub(1),
+                _ if self.token().kind == Kind::End => {
+                    let message = format!("`{}` is never closed", open.text);
+                    return self.report(diagnostic_at(&open, Code::UnclosedBrace, message));
+                }
+                _ => {}
+            }
+            self.bump();
+            if depth == 0 {
+                return;
+            }
+        }
+    }
+
+    /// Passes a body by its braces alone; says whether it is closed.
+    pub(super) fn skip_braces(&mut self) -> bool {
+        let mut depth = 0u32;
+        loop {
+            match self.token().text {
+                "{" => depth += 1,
+                "}" => depth -= 1,
+                _ if self.token().kind == Kind::End => return false,
+                _ => {}
+            }
+            self.bump();
+            if depth == 0 {
+                return true;
+            }
+        }
+    }
+
+    /// `<…>` after a type that has parameters.
+    pub(super) fn skip_angles(&mut self) {
+        while !self.is(">") && !self.is(";") && self.token().kind != Kind::End {
+            self.bump();
+        }
+        self.expect_or_report(">");
+    }
+
+    /// Passes everything up to `;`.
+    pub(super) fn skip_statement(&mut self) {
+        let start = self.token().span;
+        while !self.is(";") && self.token().kind != Kind::End {
+            let token = self.token();
+            if begins_declaration(token.text) && token.first && token.span != start {
+                break;
+            }
+            if matches!(token.text, "(" | "[" | "{") {
+                self.skip_balanced();
+            } else if token.is("}") {
+                break;
+            } else {
+                self.bump();
+            }
+        }
+        self.end_of_statement();
+    }
+
+    /// Passes everything up to `;`, brackets or not.
+    pub(super) fn skip_to_semicolon(&mut self) {
+        while !self.is(";") && self.token().kind != Kind::End {
+            self.bump();
+        }
+        self.eat(";");
+    }
+
+    /// Passes `;`, or says that it is missing and goes on at the next declaration.
+    pub(super) fn end_of_statement(&mut self) {
+        if !self.expect_or_report(";") {
+            self.recover();
+        }
+    }
+
+    /// Says that the token makes no sense here, and goes on at the next declaration.
+    pub(super) fn report_unexpected(&mut self) {
+        let token = *self.token();
+        let previous = self.before(self.at);
+        let diagnostic = match (token.kind, token.text) {
+            (Kind::End, _) => {
+                diagnostic_at(&token, Code::Syntax, "the file ends inside a declaration")
+            }
+            (_, "}") => diagnostic_at(&token, Code::Syntax, "`}` closes nothing"),
+            (Kind::Stray, text) => {
+                let message =
+                    format!("GLSL has no use for the character `{}`", text.escape_debug());
+                diagnostic_at(&token, Code::Syntax, message)
+            }
+            (_, "(") if previous.kind == Kind::Name => {
+                let name = previous.text;
+                let message = format!("`{name}` is called where a declaration is wanted");
+                diagnostic_at(&previous, Code::Syntax, message)
+                    .with_help(format!("define the macro `{name}`, if it is one"))
+            }
+            (_, text) => {
+                diagnostic_at(&token, Code::Syntax, format!("unexpected `{text}` in a declaration"))
+            }
+        };
+        self.report(diagnostic);
+        self.recover();
+    }
+
+    /// Goes on at what looks like the next declaration.
+    pub(super) fn recover(&mut self) {
+        if self.stands_at_declaration() {
+            return;
+        }
+        let stray_brace = self.is("}");
+        loop {
+            match self.token().text {
+                "{" => return self.recover_past_braces(),
+                ";" => {
+                    self.bump();
+                    return;
+                }
+                "}" if stray_brace => {
+                    while self.eat("}") {}
+                    return;
+                }
+                _ if self.token().kind == Kind::End => return,
+                _ => {}
+            }
+            self.bump();
+            if self.stands_at_declaration() {
+                return;
+            }
+        }
+    }
+
+    fn recover_past_braces(&mut self) {
+        if self.bodies == Bodies::Keep {
+            self.skip_braces();
+            return;
+        }
+        let open = *self.token();
+        if self.tokens.len() == self.at + 1 && self.preprocessor().skip_body(&open) {
+            self.tokens.pop();
+            self.load(self.at);
+            return;
+        }
+        // Never closed, or looked beyond: what caused it is reported already.
+        while self.token().kind != Kind::End && !self.is("}") {
+            self.bump();
+        }
+        self.bump();
+    }
+
+    /// After a syntax error among members: on to the next `;` or before the closing brace.
+    pub(super) fn recover_member(&mut self) {
+        while !matches!(self.token().text, ";" | "}") && self.token().kind != Kind::End {
+            if matches!(self.token().text, "(" | "[" | "{") {
+                self.skip_balanced();
+            } else {
+                self.bump();
+            }
+        }
+    }
+
+    fn stands_at_declaration(&self) -> bool {
+        let token = self.token();
+        token.first && begins_declaration(token.text)
+    }
+}
+
+/// Words that begin a declaration and stand nowhere else at this level.
+fn begins_declaration(word: &str) -> bool {
+    matches!(word, "uniform" | "struct" | "layout" | "void" | "precision" | "attribute" | "varying")
+}

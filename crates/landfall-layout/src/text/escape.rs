@@ -1,0 +1,297 @@
+//! Text of others, such as file names, comments and what drivers say, made safe for what reads it:
+//! one function a medium.
+//!
+//! Terminals obey control characters and turn text around at bidi marks; logs of continuous
+//! integration obey lines such as `::error::`; Markdown, HTML and SVG have their own signs, and
+//! rustc refuses bidi marks in comments and strings.
+
+use std::borrow::Cow;
+
+use memchr::memmem;
+
+/// Whether styles (SGR of ECMA-48) in a text are ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Styles {
+    /// They are, and stay.
+    Kept,
+    /// There are none of ours.
+    Shown,
+}
+
+/// Characters that turn the direction of text (UAX #9, section 2), and the two that end lines for
+/// some readers and not for others.
+pub fn is_bidi(c: char) -> bool {
+    matches!(
+        c,
+        '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+    ) || matches!(c, '\u{2028}' | '\u{2029}')
+}
+
+/// Whether a terminal does something else with it than show it.
+fn is_hostile(c: char) -> bool {
+    c.is_control() || is_bidi(c)
+}
+
+/// What is shown for a character that does something.
+fn picture(c: char) -> char {
+    match c {
+        // Unicode has a picture of each.
+        '\0'..='\u{1f}' => char::from_u32(0x2400 + u32::from(c)).unwrap_or('\u{fffd}'),
+        '\u{7f}' => '\u{2421}',
+        _ => '\u{fffd}',
+    }
+}
+
+/// Text of several lines for a terminal: a picture for each control character but the ends of
+/// lines, spaces for tabs.
+pub fn visible(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for c in text.replace("\r\n", "\n").chars() {
+        match c {
+            '\n' => result.push('\n'),
+            '\t' => result.push_str("    "),
+            c if is_hostile(c) => result.push(picture(c)),
+            c => result.push(c),
+        }
+    }
+    result
+}
+
+/// The same in one line.
+pub fn in_one_line(text: &str) -> String {
+    let lines = text.split(['\r', '\n']).map(str::trim).filter(|line| !line.is_empty());
+    visible(&lines.collect::<Vec<_>>().join(" "))
+}
+
+/// A name, such as that of a file: one line whatever is in it.
+pub fn name(text: &str) -> Cow<'_, str> {
+    match text.contains(is_hostile) {
+        true => text.chars().map(|c| if is_hostile(c) { picture(c) } else { c }).collect(),
+        false => Cow::Borrowed(text),
+    }
+}
+
+/// A whole output for people: nothing in it moves the cursor or turns text around, and no line
+/// is a command to what keeps the log. Styles stay where they are ours.
+pub fn output(text: &str, styles: Styles) -> Cow<'_, str> {
+    match commands(text) {
+        Cow::Borrowed(text) => controls(text, styles),
+        Cow::Owned(text) => Cow::Owned(controls(&text, styles).into_owned()),
+    }
+}
+
+/// The same without control characters, but for styles.
+fn controls(text: &str, styles: Styles) -> Cow<'_, str> {
+    let shown = |c: char| matches!(c, '\n' | '\t') || !is_hostile(c);
+    if text.chars().all(shown) {
+        return Cow::Borrowed(text);
+    }
+    let mut result = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let style = if styles == Styles::Kept { style(rest) } else { None };
+        let len = style.unwrap_or(c.len_utf8());
+        match style {
+            Some(len) => result.push_str(&rest[..len]),
+            None if shown(c) => result.push(c),
+            None if rest.starts_with("\r\n") => {}
+            None => result.push(picture(c)),
+        }
+        rest = &rest[len..];
+    }
+    Cow::Owned(result)
+}
+
+/// The length of a style (SGR of ECMA-48) that a text begins with.
+fn style(text: &str) -> Option<usize> {
+    let inside = text.strip_prefix("\x1b[")?;
+    let end = inside.find(|c: char| !c.is_ascii_digit() && c != ';')?;
+    inside[end..].starts_with('m').then_some(end + 3)
+}
+
+/// Lines that the runners of GitHub, Azure and TeamCity would take for commands: `::error::` at
+/// their start, `##[error]` and `##vso[` anywhere. The first is made the path of a file, which is
+/// what it mostly is.
+fn commands(text: &str) -> Cow<'_, str> {
+    let bytes = text.as_bytes();
+    if memmem::find(bytes, b"::").is_none() && memmem::find(bytes, b"##").is_none() {
+        return Cow::Borrowed(text);
+    }
+    if !text.lines().any(is_command) {
+        return Cow::Borrowed(text);
+    }
+    let mut result = String::with_capacity(text.len() + 16);
+    for line in text.split_inclusive('\n') {
+        let mut line = Cow::Borrowed(line);
+        if let Some(at) = bracket(&line) {
+            let (before, after) = line.split_at(at);
+            line = Cow::Owned(before.to_string() + &after.replace("##", "#\u{fe5f}"));
+        }
+        let at = command_start(&line);
+        match line[at..].starts_with("::") {
+            true => {
+                result.push_str(&line[..at]);
+                result.push_str("./");
+                result.push_str(&line[at..]);
+            }
+            false => result.push_str(&line),
+        }
+    }
+    Cow::Owned(result)
+}
+
+fn is_command(line: &str) -> bool {
+    line[command_start(line)..].starts_with("::") || bracket(line).is_some()
+}
+
+/// Where the text of a line begins, behind blanks and styles.
+fn command_start(line: &str) -> usize {
+    let mut at = 0;
+    loop {
+        let rest = &line[at..];
+        match rest.chars().next() {
+            Some('\x1b') => match style(rest) {
+                Some(len) => at += len,
+                None => return at,
+            },
+            Some(c) if c != '\n' && (c.is_whitespace() || is_hostile(c)) => at += c.len_utf8(),
+            Some(_) | None => return at,
+        }
+    }
+}
+
+/// Where `##[` or `##word[` is.
+fn bracket(line: &str) -> Option<usize> {
+    line.match_indices("##").map(|(at, _)| at).find(|at| {
+        let rest = line[at + 2..].trim_start_matches(|c: char| c.is_ascii_alphanumeric());
+        rest.starts_with('[')
+    })
+}
+
+/// A text in JSON, of which only strings can hold such characters: the same values, no character
+/// that a terminal obeys and no command.
+pub fn json(text: &str) -> Cow<'_, str> {
+    let hostile = |c: char| c > '\u{7e}' && is_hostile(c);
+    if !text.contains(hostile) && memmem::find(text.as_bytes(), b"##").is_none() {
+        return Cow::Borrowed(text);
+    }
+    let mut result = String::with_capacity(text.len() + 16);
+    for c in text.replace("##", "#\\u0023").chars() {
+        match hostile(c) {
+            true => result.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => result.push(c),
+        }
+    }
+    Cow::Owned(result)
+}
+
+/// Text in which no character means anything to Markdown or HTML.
+pub fn markdown(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' => result.push_str("<br>"),
+            '\r' => {}
+            c if is_hostile(c) => result.push('\u{fffd}'),
+            '\\' | '`' | '|' | '<' | '>' | '&' | '*' | '_' | '[' | ']' | '~' | '#' | '!' | '$' => {
+                result.push_str(&format!("&#{};", u32::from(c)));
+            }
+            c => result.push(c),
+        }
+    }
+    result
+}
+
+/// Code in Markdown, in a table too.
+pub fn markdown_code(text: &str) -> String {
+    // In a code span a backslash stands for itself, even before a pipe that would end the cell.
+    let simple = !text.contains(['`', '|', '\\']) && !text.contains(is_hostile);
+    match text.trim() {
+        "" => markdown(text),
+        trimmed if simple && trimmed == text => format!("`{text}`"),
+        _ => format!("<code>{}</code>", markdown(&name(text))),
+    }
+}
+
+/// A name in Markdown without a code span: one that is plain stays as it is.
+pub fn markdown_name(text: &str) -> Cow<'_, str> {
+    let plain = |c: char| c.is_alphanumeric() || " _-./+,@=():".contains(c);
+    match text.chars().all(plain) {
+        true => Cow::Borrowed(text),
+        false => Cow::Owned(markdown(&name(text))),
+    }
+}
+
+/// Text for XML, HTML and SVG, between tags or in an attribute: of characters that XML 1.0 has
+/// (its production 2).
+pub fn xml(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => result.push_str("&amp;"),
+            '<' => result.push_str("&lt;"),
+            '>' => result.push_str("&gt;"),
+            '"' => result.push_str("&quot;"),
+            // A reader turns them into spaces in an attribute, and \r into \n anywhere.
+            '\t' | '\n' | '\r' => result.push_str(&format!("&#{};", u32::from(c))),
+            '\u{fffe}' | '\u{ffff}' => result.push('\u{fffd}'),
+            c if is_hostile(c) => result.push('\u{fffd}'),
+            c => result.push(c),
+        }
+    }
+    result
+}
+
+/// Text for a comment of generated Rust or C, in one line: rustc refuses bidi marks there
+/// (`text_direction_codepoint_in_comment`).
+pub fn comment(text: &str) -> String {
+    name(text).replace("*/", "* /").replace("/*", "/ *").replace('`', "_")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_character_acts_on_a_terminal() {
+        assert_eq!(name("a\x1b[2J\n\u{9b}\u{202e}b"), "a␛[2J␊\u{fffd}\u{fffd}b");
+        assert_eq!(name("ä/b c.frag"), "ä/b c.frag");
+        let styled = "\x1b[1mbold\x1b[0m \x1b[2Jgone\u{2066}\n";
+        assert_eq!(output(styled, Styles::Kept), "\x1b[1mbold\x1b[0m ␛[2Jgone\u{fffd}\n");
+        assert_eq!(output(styled, Styles::Shown), "␛[1mbold␛[0m ␛[2Jgone\u{fffd}\n");
+        assert!(matches!(output("a\tb\nä", Styles::Shown), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn no_line_is_a_command() {
+        for (text, safe) in [
+            ("::error::x\n", "./::error::x\n"),
+            ("a\n  ::debug::x", "a\n  ./::debug::x"),
+            ("a ##[error]b ##vso[task]", "a #\u{fe5f}[error]b #\u{fe5f}vso[task]"),
+            ("a::b ## c", "a::b ## c"),
+        ] {
+            assert_eq!(output(text, Styles::Shown), safe);
+        }
+        let painted = output("\x1b[1m::error::x\x1b[0m\n", Styles::Kept);
+        assert_eq!(painted, "\x1b[1m./::error::x\x1b[0m\n");
+    }
+
+    #[test]
+    fn json_keeps_its_values() {
+        let text = "{\"a\u{202e}\": \"##[error]\u{9b}ä\"}";
+        let safe = json(text);
+        assert!(safe.chars().all(|c| !is_hostile(c)) && !safe.contains("##"));
+        let value = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
+        assert_eq!(value(&safe), value(text));
+    }
+
+    #[test]
+    fn markdown_and_xml_take_it_for_text() {
+        assert_eq!(markdown_code("a.frag"), "`a.frag`");
+        assert_eq!(markdown_code("a`<b>\n|"), "<code>a&#96;&#60;b&#62;␊&#124;</code>");
+        assert_eq!(markdown_name("lights/point_1.frag"), "lights/point_1.frag");
+        assert_eq!(markdown_name("<b>"), "&#60;b&#62;");
+        assert_eq!(xml("<a b=\"\u{202e}\x1b&"), "&lt;a b=&quot;\u{fffd}\u{fffd}&amp;");
+        assert_eq!(comment("a */ `b`\u{202e}\n"), "a * / _b_\u{fffd}␊");
+    }
+}

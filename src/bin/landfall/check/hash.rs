@@ -1,0 +1,72 @@
+//! SHA-256 of files and settings, and seals that only whoever has a key can make.
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Bytes that SHA-256 takes on at a time.
+const BLOCK: usize = 64;
+
+/// A SHA-256 in hexadecimal; empty for what could not be read.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Hash(String);
+
+impl Hash {
+    /// The hash of some bytes.
+    pub fn of(bytes: &[u8]) -> Hash {
+        Hash(hex(&Sha256::digest(bytes)))
+    }
+
+    /// Whether it stands for something that could be read.
+    pub fn is_known(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// The start of it, for the name of a file.
+    pub fn short(&self) -> &str {
+        self.0.get(..16).unwrap_or(&self.0)
+    }
+}
+
+/// HMAC-SHA256 (RFC 2104) in hexadecimal.
+pub fn seal(key: &[u8], bytes: &[u8]) -> String {
+    let mut block = [0; BLOCK];
+    if key.len() > BLOCK {
+        block[..32].copy_from_slice(&Sha256::digest(key));
+    } else {
+        block[..key.len()].copy_from_slice(key);
+    }
+    let inner = Sha256::new().chain_update(block.map(|byte| byte ^ 0x36)).chain_update(bytes);
+    let outer = Sha256::new().chain_update(block.map(|byte| byte ^ 0x5c));
+    hex(&outer.chain_update(inner.finalize()).finalize())
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The vectors of RFC 6234, section 8.5, and of RFC 4231, sections 4.3 and 4.7.
+    #[test]
+    fn hashes_and_seals_are_those_of_the_standards() {
+        assert_eq!(
+            Hash::of(b"abc").as_str(),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+        );
+        assert_eq!(
+            seal(b"Jefe", b"what do ya want for nothing?"),
+            "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843"
+        );
+        assert_eq!(
+            seal(&[0xaa; 131], b"Test Using Larger Than Block-Size Key - Hash Key First"),
+            "60e431591ee0b67f0d8a26aacbf5b77f8e0bc6213728c5140546040f0ee37f54"
+        );
+    }
+}

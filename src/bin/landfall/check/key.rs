@@ -1,0 +1,91 @@
+//! The key that seals caches: whoever can write a cache and does not have it cannot make one say
+//! that a shader is clean.
+//!
+//! It is this user's own, made when it is first needed, or that of `LANDFALL_CACHE_KEY`, for
+//! machines that share a cache.
+
+use std::fs::{self, OpenOptions};
+use std::hash::{BuildHasher, RandomState};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use landfall_layout::Error;
+use landfall_layout::file::reason;
+
+use super::hash::Hash;
+
+const VARIABLE: &str = "LANDFALL_CACHE_KEY";
+
+/// A key has at least this many characters.
+const SHORTEST: usize = 16;
+
+/// The key of this run.
+///
+/// # Errors
+/// The variable holds no key, or the user has no folder that one can be kept in.
+pub fn key() -> Result<Vec<u8>, Error> {
+    if let Some(given) = std::env::var_os(VARIABLE).filter(|given| !given.is_empty()) {
+        let given = given.into_encoded_bytes();
+        if given.len() < SHORTEST {
+            let message = format!("is shorter than {SHORTEST} characters");
+            return Err(Error::new(VARIABLE, message).with_help("`openssl rand -hex 32` makes one"));
+        }
+        return Ok(given);
+    }
+    let Some(file) = place() else {
+        return Err(Error::new("cache-key", "has no place: there is no home folder")
+            .with_help(format!("set `{VARIABLE}`")));
+    };
+    let failed = |cause: std::io::Error| {
+        let message = format!("cannot be made: {}", reason(&cause));
+        Error::new(file.display().to_string(), message).with_help(format!("set `{VARIABLE}`"))
+    };
+    for _ in 0..2 {
+        match fs::read(&file) {
+            Ok(key) if key.len() >= SHORTEST => return Ok(key),
+            Ok(_) => fs::remove_file(&file).map_err(failed)?,
+            Err(_) => {}
+        }
+        // Of two processes that make one, the first one's holds.
+        match make(&file) {
+            Err(cause) if cause.kind() != std::io::ErrorKind::AlreadyExists => {
+                return Err(failed(cause));
+            }
+            Ok(()) | Err(_) => {}
+        }
+    }
+    fs::read(&file).map_err(failed)
+}
+
+/// Where this user's state is: by the XDG base directories, or as Windows has it.
+fn place() -> Option<PathBuf> {
+    let folder = |name: &str| {
+        std::env::var_os(name).map(PathBuf::from).filter(|folder| folder.is_absolute())
+    };
+    let state = folder("XDG_STATE_HOME")
+        .or_else(|| folder("LOCALAPPDATA"))
+        .or_else(|| Some(folder("HOME")?.join(".local/state")))?;
+    Some(state.join("landfall").join("cache-key"))
+}
+
+fn make(file: &Path) -> Result<(), std::io::Error> {
+    fs::create_dir_all(file.parent().unwrap_or(Path::new(".")))?;
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.mode(0o600);
+    }
+    options.open(file)?.write_all(random().as_bytes())
+}
+
+/// Sixty-four characters that nobody can guess: maps of the standard library are keyed with
+/// numbers of the operating system.
+fn random() -> String {
+    let numbers: Vec<u8> = (0..8u64)
+        .flat_map(|n| RandomState::new().hash_one(n).to_le_bytes())
+        .chain(std::process::id().to_le_bytes())
+        .collect();
+    Hash::of(&numbers).as_str().to_string()
+}

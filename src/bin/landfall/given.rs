@@ -1,0 +1,155 @@
+//! What the command line says of how shaders are read, and whether that did anything: a folder of
+//! includes that is none, and a value for a constant that no shader has.
+
+use landfall_layout::diagnostic::Code;
+use std::collections::BTreeSet;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, Severity};
+
+use crate::args::{Command, TextArgs};
+use crate::output::{FindingForm, Streams};
+
+/// The values of `-O`, and which of them some shader has a constant for.
+struct Given {
+    names: Vec<String>,
+    seen: Mutex<Seen>,
+}
+
+#[derive(Default)]
+struct Seen {
+    names: BTreeSet<String>,
+    any: bool,
+}
+
+/// The command line of this process.
+static GIVEN: OnceLock<Given> = OnceLock::new();
+
+/// Notes what is given, and reports folders of includes that are none.
+pub fn begin(command: &Command, streams: &Streams) {
+    let Some(text) = text_of(command) else { return };
+    let names = text.overrides.iter().map(|(name, _)| name.clone()).collect();
+    let _ = GIVEN.set(Given { names, seen: Mutex::default() });
+    for folder in text.include_dirs.iter().filter(|folder| !folder.is_dir()) {
+        let what = match folder.exists() {
+            true => "is no directory, and nothing is included from it",
+            false => "is not there, and nothing is included from it",
+        };
+        let error = Error::new(folder.display().to_string(), what);
+        warn(Code::NoIncludeDir, error.with_help("`-I DIR` names a directory"), streams);
+    }
+}
+
+/// The values that a shader has constants for.
+pub fn known(files: &Files) -> Vec<String> {
+    let Some(given) = GIVEN.get().filter(|given| !given.names.is_empty()) else {
+        return Vec::new();
+    };
+    let known = |name: &&String| files.iter().any(|file| has_constant(&file.text, name));
+    given.names.iter().filter(known).cloned().collect()
+}
+
+/// Notes what one shader has constants for.
+pub fn saw(files: &Files) {
+    saw_names(&known(files));
+}
+
+/// The same for a shader that is known from before.
+pub fn saw_names(names: &[String]) {
+    let Some(given) = GIVEN.get().filter(|given| !given.names.is_empty()) else { return };
+    let mut seen = given.seen.lock().unwrap_or_else(PoisonError::into_inner);
+    seen.any = true;
+    seen.names.extend(names.iter().cloned());
+}
+
+/// Reports values that changed no shader.
+pub fn finish(streams: &Streams) {
+    let Some(given) = GIVEN.get() else { return };
+    let seen = given.seen.lock().unwrap_or_else(PoisonError::into_inner);
+    if !seen.any {
+        return;
+    }
+    for name in given.names.iter().filter(|name| !seen.names.contains(*name)) {
+        let error =
+            Error::new(format!("-O {name}"), "changes nothing: no shader has that constant");
+        let help = "constants are those of `layout(constant_id = N)` in GLSL and `override` in \
+                    WGSL, by name or number";
+        warn(Code::UnknownOverride, error.with_help(help), streams);
+    }
+}
+
+fn warn(code: Code, error: Error, streams: &Streams) {
+    let found = Diagnostic { code, severity: Severity::Warning, ..error.into() };
+    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+}
+
+/// Whether a text may have a specialisation constant or override of that name or number. One
+/// whose name a macro makes up is taken for one that is there only by its number.
+fn has_constant(text: &str, name: &str) -> bool {
+    let is_number = name.bytes().all(|b| b.is_ascii_digit());
+    let marks: &[&str] =
+        if is_number { &["constant_id", "@id"] } else { &["constant_id", "override"] };
+    marks.iter().any(|mark| has_word(text, mark.trim_start_matches('@'))) && has_word(text, name)
+}
+
+/// Whether a text has that word, and not only as a part of another.
+fn has_word(text: &str, word: &str) -> bool {
+    let inside = |c: char| c == '_' || c.is_alphanumeric();
+    text.match_indices(word).any(|(at, _)| {
+        let (before, after) = (&text[..at], &text[at + word.len()..]);
+        !before.ends_with(inside) && !after.starts_with(inside)
+    })
+}
+
+/// How a command reads shaders.
+fn text_of(command: &Command) -> Option<&TextArgs> {
+    Some(match command {
+        Command::Layout(args) => &args.read.text,
+        Command::Explain(args) => &args.read.text,
+        Command::Emit(args) => &args.read.text,
+        Command::Port(args) => &args.read.text,
+        Command::Encode(args) => &args.read.text,
+        Command::Decode(args) => &args.read.text,
+        #[cfg(feature = "exec")]
+        Command::Verify(args) => &args.read.text,
+        #[cfg(feature = "exec")]
+        Command::Run(args) => &args.read.text,
+        #[cfg(feature = "exec")]
+        Command::Stress(args) => &args.read.text,
+        #[cfg(feature = "exec")]
+        Command::Render(args) => &args.read.text,
+        #[cfg(feature = "exec")]
+        Command::Bench(args) => &args.read.text,
+        #[cfg(not(feature = "exec"))]
+        Command::Verify(_)
+        | Command::Run(_)
+        | Command::Stress(_)
+        | Command::Render(_)
+        | Command::Bench(_) => return None,
+        Command::Lights(args) => &args.read.text,
+        Command::Lock(args) => &args.read.text,
+        Command::Diff(args) => &args.read.text,
+        Command::Check(args) => &args.text,
+        Command::Devices(_) | Command::Merge(_) | Command::Rule(_) | Command::Schema(_) => {
+            return None;
+        }
+        #[cfg(any(feature = "gl", feature = "gpu"))]
+        Command::Reader(_) => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_are_words_beside_their_mark() {
+        let glsl = "layout(constant_id = 3) const int COUNT = 4;";
+        assert!(has_constant(glsl, "COUNT") && has_constant(glsl, "3"));
+        assert!(!has_constant(glsl, "COUN") && !has_constant(glsl, "nope"));
+        assert!(!has_constant(glsl, "33") && !has_constant("const int COUNT = 3;", "COUNT"));
+        let wgsl = "@id(7) override scale: f32 = 1.0;";
+        assert!(has_constant(wgsl, "scale") && has_constant(wgsl, "7"));
+    }
+}

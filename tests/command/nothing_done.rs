@@ -1,0 +1,180 @@
+//! What was asked for and did nothing is said: constants, folders, lints, shaders, configurations,
+//! blocks, pictures and textures that are not there.
+
+use std::os::unix::fs::symlink;
+
+use crate::cli_check::place::{CLEAN, Place, Ran};
+
+const TEXTURED: &str = "#version 450
+layout(constant_id = 3) const int COUNT = 4;
+layout(std140, binding = 0) uniform L { vec4 color; bool on; };
+layout(binding = 1) uniform sampler2D tex;
+layout(location = 0) out vec4 c;
+vec4 f(vec2 p) { return texture(tex, p) * color; }
+void main() { c = f(vec2(0)) * float(COUNT); }
+";
+
+fn project(name: &str) -> Place {
+    let place = Place::new(&format!("nothing-{name}"));
+    place.write("a.frag", TEXTURED).write("b.frag", CLEAN);
+    place
+}
+
+fn warns(ran: &Ran, code: &str, words: &str) {
+    let start = format!("warning[{code}]");
+    assert!(ran.err.contains(&start) && ran.err.contains(words), "{}", ran.err);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+}
+
+fn refuses(ran: &Ran, code: &str, words: &str) {
+    let start = format!("error[{code}]");
+    assert!(ran.err.contains(&start) && ran.err.contains(words), "{}", ran.err);
+    assert_eq!(ran.code, 2, "{}", ran.err);
+}
+
+#[test]
+fn a_value_for_a_constant_that_no_shader_has_is_warned_of() {
+    let place = project("override");
+    place.write("v.json", "{}");
+    let commands: [&[&str]; 8] = [
+        &["layout", "."],
+        &["lock"],
+        &["check"],
+        &["explain", "a.frag", "color"],
+        &["emit", ".", "--lang", "c"],
+        &["encode", "a.frag", "v.json", "--hex"],
+        &["verify", ".", "--reader", "cpu"],
+        &["run", "a.frag", "--fn", "f", "--args", "[[0, 0]]"],
+    ];
+    for command in commands {
+        let with = |value: &str| place.run(&[command, &["-O", value]].concat());
+        warns(&with("nope=3"), "unknown-override", "`-O nope` changes nothing");
+        warns(&with("33=3"), "unknown-override", "`-O 33` changes nothing");
+        for value in ["COUNT=3", "3=3"] {
+            assert!(!with(value).err.contains("unknown-override"), "{command:?} {value}");
+        }
+    }
+    // What is remembered is as good as what is read.
+    let cached = ["check", "--cache-dir", "c", "-O", "COUNT=3"];
+    for _ in 0..2 {
+        assert!(!place.run(&cached).err.contains("unknown-override"));
+    }
+    let cached = ["check", "--cache-dir", "c", "-O", "nope=3"];
+    for _ in 0..2 {
+        warns(&place.run(&cached), "unknown-override", "nope");
+    }
+}
+
+#[test]
+fn a_folder_of_includes_that_is_none_is_warned_of() {
+    let place = project("include");
+    for command in ["layout", "check", "lock", "verify"] {
+        let reader = if command == "verify" { &["--reader", "cpu"][..] } else { &[] };
+        let with = |folder: &str| place.run(&[&[command, "-I", folder], reader].concat());
+        warns(&with("nodir"), "no-include-dir", "`nodir` is not there");
+        warns(&with("a.frag"), "no-include-dir", "`a.frag` is no directory");
+        assert!(!with(".").err.contains("no-include-dir"));
+    }
+}
+
+#[test]
+fn a_misspelt_lint_is_no_macro() {
+    let place = project("lint");
+    let ran = place.run(&["check", "-D", "vec3array"]);
+    refuses(&ran, "unknown-lint", "there is no lint `vec3array`");
+    assert!(ran.err.contains("did you mean `vec3-array`?") && ran.err.contains("--define"));
+    assert_eq!(ran.out, "");
+    refuses(&place.run(&["check", "-D", "LIGHTS"]), "unknown-lint", "`LIGHTS`");
+    place.write("c.frag", format!("{CLEAN}#ifndef LIGHTS\n#error none\n#endif\n"));
+    assert_eq!(place.run(&["check", "c.frag"]).code, 2);
+    for define in [&["--define", "LIGHTS"][..], &["-D", "LIGHTS=1"], &["-DLIGHTS=1"]] {
+        assert_eq!(place.run(&[&["check", "c.frag"], define].concat()).code, 0, "{define:?}");
+    }
+}
+
+#[test]
+fn a_run_that_leaves_every_shader_out_is_an_error() {
+    let place = project("exclude");
+    refuses(&place.run(&["check", "--exclude", "*"]), "no-input", "all 2 shaders are left out");
+    refuses(&place.run(&["check", "a.frag", "--exclude", "a.*"]), "no-input", "the only shader");
+    place.write("landfall.toml", "exclude = [\"*.frag\"]\n");
+    refuses(&place.run(&["check"]), "no-input", "`exclude` of the configuration");
+    refuses(&place.run(&["lock"]), "no-input", "all 2 shaders");
+    // A hook names what changed, and that may be what the configuration leaves out.
+    warns(&place.run(&["check", "a.frag"]), "no-input", "the only shader is left out");
+    warns(&place.run(&["lock", "a.frag"]), "no-input", "the only shader is left out");
+    assert_eq!(place.run(&["check", "--shard", "1/2", "-f", "json=r.json"]).code, 0);
+}
+
+#[test]
+fn a_configuration_that_cannot_be_read_is_not_the_same_as_none() {
+    let place = project("config");
+    let file = place.0.join("landfall.toml");
+    let commands: [&[&str]; 4] =
+        [&["check"], &["lock"], &["diff", "a.frag", "b.frag"], &["verify", ".", "--reader", "cpu"]];
+    std::fs::remove_file(&file).unwrap();
+    symlink("nowhere.toml", &file).unwrap();
+    for command in commands {
+        refuses(&place.run(command), "output", "a link that leads nowhere");
+        let without = [command, &["--no-config"]].concat();
+        assert!(place.run(&without).code < 2, "{without:?}");
+    }
+    std::fs::remove_file(&file).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&file).status().unwrap().success());
+    for command in commands {
+        refuses(&place.run(command), "output", "is no file");
+    }
+}
+
+#[test]
+fn nothing_to_verify_is_no_proof() {
+    let place = project("verify");
+    place.write("e/empty.frag", "#version 450\nvoid main() {}\n");
+    let ran = place.run(&["verify", "e", "--reader", "cpu"]);
+    warns(&ran, "no-blocks", "no blocks to verify in 1 shader");
+    assert!(!ran.err.contains("every byte lands"));
+    let ran = place.run(&["verify", "a.frag", "--reader", "cpu", "--block", "nope"]);
+    refuses(&ran, "unknown-block", "no block named `nope`");
+    let ran = place.run(&["verify", "e", "a.frag", "--reader", "cpu"]);
+    assert!(ran.err.contains("every byte lands") && !ran.err.contains("no-blocks"), "{}", ran.err);
+}
+
+#[test]
+fn a_plot_has_a_format_that_it_can_have() {
+    let place = project("plot");
+    for file in ["p.png", "p", "p.html"] {
+        let ran = place.run(&["bench", "a.frag", "--fn", "f", "--plot", file]);
+        assert!(ran.code == 2 && ran.err.contains("a plot is .svg"), "{}", ran.err);
+        assert!(!place.has(file));
+    }
+}
+
+#[test]
+fn a_colour_for_a_texture_that_is_not_there_is_refused() {
+    let place = project("texture");
+    let run = ["run", "a.frag", "--fn", "f", "--args", "[[0, 0]]"];
+    let stress = ["stress", "a.frag", "--fn", "f", "--samples", "50"];
+    let bench =
+        ["bench", "a.frag", "--fn", "f", "--reader", "cpu", "--rounds", "3", "--samples", "16"];
+    for command in [&run[..], &stress, &bench] {
+        let with = |texture: &str| place.run(&[command, &["--texture", texture]].concat());
+        let ran = with("text=[1, 0, 0, 1]");
+        refuses(&ran, "unknown-texture", "the shader has no texture `text`");
+        assert!(ran.err.contains("did you mean `tex`?"), "{}", ran.err);
+        assert!(with("tex=[1, 0, 0, 1]").code < 2, "{command:?}");
+    }
+}
+
+#[test]
+fn a_bool_that_is_neither_0_nor_1_is_warned_of() {
+    let place = project("bool");
+    let with = |values: &str| {
+        place.write("v.json", values);
+        place.run(&["encode", "a.frag", "v.json", "-o", "v.bin"])
+    };
+    warns(&with("{\"on\": 2}"), "odd-bool", "`on` at byte 16");
+    assert_eq!(std::fs::read(place.0.join("v.bin")).unwrap()[16], 2, "it is written all the same");
+    for values in ["{\"on\": 1}", "{\"on\": true}", "{}"] {
+        assert_eq!(with(values).err, "");
+    }
+}

@@ -1,0 +1,111 @@
+//! Texts are read as compilers read them: which API they are for, where lines end, what bytes
+//! comments may hold. The oracles are glslangValidator and the OpenGL driver.
+
+mod lines;
+mod refused;
+mod target;
+mod wgsl;
+
+use ::landfall::{Options, ShaderLayout, Source, Target, layout};
+use landfall_layout::Severity;
+
+use crate::support::driver::{Api, Driver, Stage};
+use crate::support::glslang::{self, Client};
+use crate::support::leaf::OracleBlock;
+
+/// A fragment shader laid out for an API, or as its text says.
+fn read(text: &str, target: Option<Target>) -> ShaderLayout {
+    let mut options = Options::default();
+    options.read.target = target;
+    layout(&Source::new("a.frag", text), &options)
+}
+
+/// `U.a 16`: every leaf with its offset.
+fn leaves(shader: &ShaderLayout) -> Vec<String> {
+    assert!(!shader.has_errors(), "{:#?}", shader.diagnostics);
+    let blocks = shader.blocks.iter().filter(|block| block.size.is_some());
+    let all = blocks.flat_map(|block| {
+        block
+            .leaves
+            .iter()
+            .filter_map(move |leaf| Some(format!("{}.{} {}", block.name, leaf.path, leaf.offset?)))
+    });
+    all.collect()
+}
+
+/// The same of an oracle.
+fn theirs(blocks: &[OracleBlock]) -> Vec<String> {
+    let all = blocks.iter().flat_map(|block| {
+        block.leaves.iter().map(move |leaf| format!("{}.{} {}", block.name, leaf.path, leaf.offset))
+    });
+    all.collect()
+}
+
+fn of_driver(driver: &Driver, text: &str) -> Vec<String> {
+    let vertex = match text.contains(" es\n") {
+        true => "#version 300 es\nvoid main() { gl_Position = vec4(0.0); }\n",
+        false => "#version 330\nvoid main() { gl_Position = vec4(0.0); }\n",
+    };
+    let stages = [(Stage::Vertex, vertex), (Stage::Fragment, text)];
+    theirs(&driver.blocks(&stages).unwrap_or_else(|log| panic!("{log}\n{text}")))
+}
+
+fn of_glslang(text: &str, client: Client) -> Vec<String> {
+    let options = glslang::Options { client, reflect: false, ..glslang::Options::default() };
+    theirs(&glslang::blocks(text, "frag", &options).unwrap_or_else(|log| panic!("{log}\n{text}")))
+}
+
+fn open() -> Driver {
+    Driver::open(Api::Gl)
+}
+
+/// The codes of warnings and errors, in order.
+fn codes(shader: &ShaderLayout) -> Vec<&'static str> {
+    shader.diagnostics.iter().map(|found| found.code.name()).collect()
+}
+
+#[test]
+fn bytes_of_latin_1_in_comments_leave_places_right() {
+    let text = "#version 450\n// gr\u{f6}\u{df}e\nlayout(std140, binding = 0) uniform U { // \u{e9}\n\
+                    float a; /* \u{fc} */ vec3 b;\n};\nlayout(location = 0) out vec4 o;\n\
+                    void main() { o = vec4(b, a); }\n";
+    let latin: Vec<u8> = text.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("latin.frag");
+    std::fs::write(&path, &latin).unwrap();
+    let glslang = std::process::Command::new("glslangValidator").arg(&path).output().unwrap();
+    assert!(glslang.status.success(), "glslang takes it: {glslang:?}");
+
+    let source = Source::read(&path).unwrap();
+    let shader = layout(&source, &Options::default());
+    assert_eq!(leaves(&shader), of_glslang(text, Client::Vulkan));
+    assert_eq!(codes(&shader), ["not-utf8"], "once");
+    let places: Vec<_> =
+        shader.blocks[0].members.iter().map(|m| shader.files.locate(m.span)).collect();
+    assert_eq!((places[0].line, places[0].column), (4, 7));
+    assert_eq!((places[1].line, places[1].column), (4, 23));
+
+    // Outside comments such a byte is no GLSL, and a WGSL text of them is none at all.
+    let outside: Vec<u8> = latin.iter().map(|b| if *b == b'a' { 0xe9 } else { *b }).collect();
+    let shader = layout(&Source::from_bytes("a.frag", outside).unwrap(), &Options::default());
+    assert!(shader.has_errors());
+    let wgsl = Source::from_bytes("a.wgsl", b"// \xe9\nvar<private> a: f32;".to_vec()).unwrap();
+    assert!(layout(&wgsl, &Options::default()).has_errors());
+    assert!(Source::from_bytes("a.frag", b"a\0\xe9".to_vec()).is_err());
+    assert!(Source::from_bytes("a.frag", b"\xff\xfea\0".to_vec()).is_err());
+}
+
+#[test]
+fn an_include_in_latin_1_is_read_and_noted_at_its_own_place() {
+    let dir = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("latin_include");
+    std::fs::create_dir_all(&dir).unwrap();
+    std::fs::write(dir.join("b.glsl"), b"// \xfc\rlayout(std140) uniform U { vec4 a; };\n")
+        .unwrap();
+    std::fs::write(dir.join("a.frag"), "#version 450\n#include \"b.glsl\"\n").unwrap();
+    let shader = layout(&Source::read(dir.join("a.frag")).unwrap(), &Options::default());
+    assert_eq!(leaves(&shader), ["U.a 0"]);
+    let note = shader.diagnostics.iter().find(|found| found.code == "not-utf8").unwrap();
+    assert_eq!(note.severity, Severity::Warning);
+    let place = shader.files.locate(note.labels[0].span);
+    assert!(place.path.ends_with("b.glsl") && (place.line, place.column) == (1, 4), "{place:?}");
+    assert_eq!(shader.files.locate(shader.blocks[0].span).line, 2);
+}

@@ -1,0 +1,113 @@
+//! What compilers refuse or warn of, said with the rule.
+
+use super::{Client, Severity, read};
+use crate::support::glslang;
+
+fn severities(text: &str, code: &str) -> Vec<Severity> {
+    let shader = read(text, None);
+    shader.diagnostics.iter().filter(|found| found.code == code).map(|d| d.severity).collect()
+}
+
+/// Whether glslang takes a fragment shader.
+fn is_taken(text: &str, client: Client) -> bool {
+    let options = glslang::Options { client, reflect: false, ..glslang::Options::default() };
+    glslang::blocks(text, "frag", &options).is_ok()
+}
+
+#[test]
+fn a_misspelt_layout_qualifier_is_an_error() {
+    let of = |id: &str| {
+        format!(
+            "#version 450\nlayout({id}, binding = 0) uniform U {{ vec4 a; }};\nvoid main() {{}}\n"
+        )
+    };
+    for (wrong, meant) in [
+        ("sdt140", "std140"),
+        ("std431", "std430"),
+        ("row_mayor", "row_major"),
+        ("pakced", "packed"),
+    ] {
+        let text = of(wrong);
+        assert!(!is_taken(&text, Client::OpenGl), "{wrong}");
+        let shader = read(&text, None);
+        let found = &shader.diagnostics[0];
+        assert_eq!(
+            (found.code.name(), found.severity),
+            ("layout-qualifier", Severity::Error),
+            "{wrong}"
+        );
+        assert!(found.help.as_deref().is_some_and(|help| help.contains(meant)), "{found:?}");
+    }
+    // An extension's that is not known here.
+    assert_eq!(severities(&of("holographic_fringes"), "layout-qualifier"), [Severity::Warning]);
+    // glslang makes SPIR-V, which has no `shared`.
+    assert_eq!(severities(&of("shared"), "layout-qualifier"), []);
+    for right in ["std140", "STD140", "row_major", "std140, column_major"] {
+        assert!(is_taken(&of(right), Client::OpenGl), "{right}");
+        assert_eq!(severities(&of(right), "layout-qualifier"), [], "{right}");
+    }
+}
+
+/// GLSL ES 3.20 §3.4; on desktops the name is 0.
+#[test]
+fn a_name_that_is_no_macro_is_an_error_in_a_condition_of_es_alone() {
+    let of = |version: &str, condition: &str| {
+        let out = if version.ends_with("es") { "precision mediump float;\n" } else { "" };
+        format!("#version {version}\n#if {condition}\n#endif\n{out}void main() {{}}\n")
+    };
+    for (condition, undefined) in [
+        ("LIGHTS", true),
+        ("LIGHTS > 3", true),
+        ("1 && LIGHTS", true),
+        ("0 || LIGHTS", true),
+        ("(0 && LIGHTS) || OTHER", true),
+        ("defined(LIGHTS)", false),
+        ("defined(LIGHTS) && LIGHTS > 3", false),
+        ("!defined LIGHTS || LIGHTS > 3", false),
+        ("0 && LIGHTS", false),
+        ("__VERSION__ > 100", false),
+    ] {
+        let es = of("310 es", condition);
+        assert_eq!(is_taken(&es, Client::OpenGl), !undefined, "{condition}");
+        let error = if undefined { vec![Severity::Error] } else { vec![] };
+        assert_eq!(severities(&es, "undefined-macro"), error, "{condition}");
+        let desktop = of("450", condition);
+        assert!(is_taken(&desktop, Client::OpenGl), "{condition}");
+        let warning = if undefined { vec![Severity::Warning] } else { vec![] };
+        assert_eq!(severities(&desktop, "undefined-macro"), warning, "{condition}");
+    }
+}
+
+#[test]
+fn texts_of_other_languages_are_named_and_refused() {
+    for (language, text) in [
+        (
+            "HLSL",
+            "cbuffer U : register(b0) { float4 a; };\nfloat4 main() : SV_Target { return a; }",
+        ),
+        ("HLSL", "ConstantBuffer<Light> light : register(b0);"),
+        ("HLSL", "float4x4 world;"),
+        ("HLSL", "// a picture\nTexture2D picture;\nSamplerState s;"),
+        ("Slang", "import lighting;\nstruct A { float a; };"),
+        ("Metal", "#include <metal_stdlib>\nusing namespace metal;\nstruct A { float a; };"),
+        ("WGSL", "struct A { a: f32 }\n"),
+        ("WGSL", "@group(0) @binding(0) var<uniform> a: vec4f;"),
+        ("ShaderLab", "Shader \"x\" { }"),
+    ] {
+        let shader = read(text, None);
+        let named = shader.diagnostics.iter().any(|found| found.message.contains(language));
+        // A structure of WGSL is a syntax error at its colon.
+        assert!(shader.has_errors() && (named || text.starts_with("struct")), "{text}: {shader:?}");
+        assert!(shader.blocks.is_empty());
+    }
+    // GLSL in which those words are names, types of its own, or macros.
+    for text in [
+        "#define float4 vec4\nuniform float4 a;\nfloat4 f() { return a; }",
+        "struct float4 { float x; };\nfloat4 f() { return float4(1.0); }",
+        "vec4 import = vec4(1.0);\nfloat kernel[9];\nfloat vertex(float x) { return x; }",
+        "layout(std140) uniform cbuffer { vec4 a; };",
+        "#ifdef HLSL\ncbuffer U { float4 a; };\n#endif\n// cbuffer B\nuniform vec4 a;",
+    ] {
+        assert!(!read(text, None).has_errors(), "{text}: {:?}", read(text, None).diagnostics);
+    }
+}

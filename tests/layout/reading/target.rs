@@ -1,0 +1,138 @@
+//! Which API a text is read for, and what is said where it does not say.
+
+use super::{Client, Target, codes, leaves, of_driver, of_glslang, open, read};
+use landfall_layout::format::{EmitOptions, Format, Paint, document};
+use landfall_layout::layout::targets::CODE;
+use landfall_layout::lock;
+
+/// For Vulkan `a` is at 0, for OpenGL at 16.
+const BOTH: &str = "#version 330\n\
+#extension GL_ARB_shading_language_420pack : enable\n\
+#ifdef VULKAN\n\
+layout(set = 0, binding = 0, std140) uniform U { vec4 a; } u;\n\
+layout(location = 0) out vec4 o;\n\
+#else\n\
+layout(std140) uniform U { float scale; vec4 a; } u;\n\
+out vec4 o;\n\
+#endif\n\
+void main() { o = u.a; }\n";
+
+#[test]
+fn a_text_for_both_is_read_as_its_version_says_and_the_difference_is_reported() {
+    let (vulkan, opengl) = (vec!["U.a 0"], vec!["U.scale 0", "U.a 16"]);
+    assert_eq!(of_driver(&open(), BOTH), opengl);
+    let late = BOTH
+        .replace("330", "450")
+        .replace(" : enable", " : enable\n#extension GL_ARB_separate_shader_objects : enable");
+    assert_eq!(of_glslang(&late, Client::Vulkan), vulkan);
+
+    let shader = read(BOTH, None);
+    assert_eq!(leaves(&shader), opengl);
+    assert_eq!((shader.assumed_target, codes(&shader)), (Some(Target::OpenGl), vec![CODE.name()]));
+    let found = &shader.diagnostics[0];
+    assert!(found.message.contains("for Vulkan") && found.message.contains("`scale`"), "{found:?}");
+    let shader = read(&late, None);
+    assert_eq!(leaves(&shader), vulkan);
+    assert_eq!((shader.assumed_target, codes(&shader)), (Some(Target::Vulkan), vec![CODE.name()]));
+
+    for (target, theirs) in [(Target::OpenGl, &opengl), (Target::Vulkan, &vulkan)] {
+        let shader = read(BOTH, Some(target));
+        assert_eq!(leaves(&shader), *theirs);
+        assert_eq!((shader.assumed_target, codes(&shader)), (None, vec![]), "it was said");
+    }
+}
+
+#[test]
+fn what_was_assumed_stands_in_every_format_and_in_the_lock() {
+    let shader = read(BOTH, None);
+    for format in [Format::Table, Format::Listing, Format::Markdown] {
+        let options = EmitOptions { format, expand: false, paint: Paint::Plain };
+        let text = document(&shader, &options);
+        assert!(text.contains("read as OpenGL's") && text.contains("for Vulkan"), "{text}");
+    }
+    let json = document(&shader, &EmitOptions::new(Format::Json));
+    assert!(json.contains("\"assumed_target\":\"opengl\""), "{json}");
+    let lock = lock::write(&shader);
+    assert!(lock.contains("\"assumed_target\": \"opengl\""), "{lock}");
+    let again = lock::read("a.frag.json", &lock).unwrap();
+    assert_eq!((again.assumed_target, again.text()), (Some(Target::OpenGl), lock));
+    let json = lock::read("a.json", &json).unwrap();
+    assert_eq!(json.assumed_target, Some(Target::OpenGl));
+    let rust = landfall_layout::codegen::rust::rust(&[&shader], &Default::default()).text;
+    assert!(rust.contains("read as OpenGL's"), "{rust}");
+    let c = landfall_layout::codegen::c::c(&[&shader], &Default::default()).text;
+    assert!(c.contains("read as OpenGL's"), "{c}");
+}
+
+/// What only Vulkan's GLSL has decides where it is compiled, not where it is mentioned.
+#[test]
+fn a_word_of_vulkan_decides_outside_conditions_and_in_those_that_hold() {
+    let shader = |head: &str| {
+        read(
+            &format!(
+                "{head}\n#ifdef VULKAN\nlayout(std140) uniform U {{ vec4 a; }};\n#else\n\
+                 layout(std140) uniform U {{ float b; vec4 a; }};\n#endif\n"
+            ),
+            None,
+        )
+    };
+    let is_vulkan = |head: &str| {
+        let shader = shader(head);
+        let target = if leaves(&shader).contains(&"U.a 0".to_string()) {
+            Target::Vulkan
+        } else {
+            Target::OpenGl
+        };
+        (target, shader.assumed_target.is_some())
+    };
+    let (sure, assumed) = (|target| (target, false), |target| (target, true));
+    let push = "layout(push_constant) uniform P { vec4 p; };";
+    for (head, expected) in [
+        ("#version 450", assumed(Target::Vulkan)),
+        ("#version 310 es", assumed(Target::Vulkan)),
+        ("#version 430", assumed(Target::OpenGl)),
+        ("", assumed(Target::OpenGl)),
+        // Vulkan takes none of these.
+        ("#version 120", sure(Target::OpenGl)),
+        ("#version 300 es", sure(Target::OpenGl)),
+        ("#version 100", sure(Target::OpenGl)),
+        (&format!("#version 330\n{push}"), sure(Target::Vulkan)),
+        (&format!("#version 330\n// {push}"), assumed(Target::OpenGl)),
+        (&format!("#version 330\n#if 0\n{push}\n#endif"), assumed(Target::OpenGl)),
+        (&format!("#version 330\n#ifdef VULKAN\n{push}\n#endif"), assumed(Target::OpenGl)),
+        (
+            &format!("#version 330\n#ifndef GUARD\n#define GUARD\n{push}\n#endif"),
+            sure(Target::Vulkan),
+        ),
+        ("#version 330\nuniform subpassInput s;", sure(Target::Vulkan)),
+        ("#version 330\nuniform texture2D t;", sure(Target::Vulkan)),
+        ("#version 330\nvec4 f() { return texture2D (s, v); }", assumed(Target::OpenGl)),
+        ("#version 330\nint set = 1;", assumed(Target::OpenGl)),
+        ("#version 330\nint f() { return gl_VertexIndex; }", sure(Target::Vulkan)),
+        ("#version 330\n#define S set\nlayout(S = 1) uniform V { vec4 v; };", sure(Target::Vulkan)),
+    ] {
+        assert_eq!(is_vulkan(head), expected, "{head}");
+    }
+}
+
+#[test]
+fn a_text_whose_blocks_are_the_same_for_both_has_nothing_said() {
+    let text = "#version 450\nlayout(std140, binding = 0) uniform U { vec4 a; };\n\
+                void main() {\n#ifdef VULKAN\n#endif\n}\n";
+    let shader = read(text, None);
+    assert_eq!((shader.assumed_target, codes(&shader)), (None, vec![]));
+    let loose = "#version 450\n#ifdef VULKAN\nlayout(push_constant) uniform P { vec4 a; };\n#else\n\
+                 uniform vec4 a;\n#endif\n";
+    let shader = read(loose, None);
+    // Other blocks, none of which is laid out otherwise.
+    assert_eq!((shader.assumed_target, codes(&shader)), (Some(Target::Vulkan), vec![]));
+}
+
+/// A text that one API's branch refuses is the other's.
+#[test]
+fn a_branch_that_is_an_error_is_no_other_reading() {
+    let text = "#version 330\n#ifdef VULKAN\n#error not for Vulkan\n\
+                layout(std140) uniform U { vec4 a; };\n#else\nlayout(std140) uniform U { float b; };\n#endif\n";
+    let shader = read(text, None);
+    assert_eq!((leaves(&shader), shader.assumed_target), (vec!["U.b 0".to_string()], None));
+}
