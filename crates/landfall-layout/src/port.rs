@@ -177,7 +177,7 @@ pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagno
 fn through_naga(ported: Ported, _: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
     let path = &ported.source.path;
     let message = format!("`{path}` needs naga to be ported further, and this build is without it");
-    let diagnostic = Diagnostic::error("not-portable", Span::default(), message);
+    let diagnostic = Diagnostic::error(Code::NotPortable, Span::default(), message);
     Err(vec![diagnostic.with_help("enable landfall's feature `naga`")])
 }
 

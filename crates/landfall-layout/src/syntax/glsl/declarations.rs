@@ -1,7 +1,6 @@
 //! The shape of a shader from its parsed declarations: structures, blocks, loose uniforms and
 //! constants; everything else is passed over.
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
