@@ -10,7 +10,7 @@ pub(crate) const LINT: Lint = Lint {
     what: "a cone by cosines, which loses digits for angles of a fraction of a degree",
     why: "Cosines of small angles are all next to 1, where an `f32` has steps of 6e-8: 1 - cos of \
           1 degree is 2555 of them, of 0.1 degrees 26. With directions normalised in the shader \
-          the edge of a cone of 0.5 to 1 degree is up to 0.8 of an 8-bit step wrong, one of 0.1 \
+          the edge of a cone of 0.5 to 1 degree is up to 0.7 of an 8-bit step wrong, one of 0.1 \
           to 0.2 degrees 19 steps, and of 0.05 to 0.06 degrees all 255. The squared \
           chord between two unit vectors is 2 - 2 cos and keeps its digits. Allowed \
           unless asked for, because cones of a degree and more lose nothing.",
