@@ -254,7 +254,7 @@ fn drawings_and_pages_of_a_hostile_name_are_sound() {
         }
     }
     let bench = ["bench", NAME, "--fn", "f", "--reader", "cpu", "--rounds", "3", "--samples", "16"];
-    let variant = format!("\u{202e}<b>\n::error::x\u{1b}[2J=#f");
+    let variant = "\u{202e}<b>\n::error::x\u{1b}[2J=#f".to_string();
     let ran = checked(&place, &[&bench[..], &["--plot", "p.svg", "--variant", &variant]].concat());
     assert!(place.has("p.svg"), "{}", ran.err);
     roxmltree::Document::parse(&place.read("p.svg")).expect("XML");

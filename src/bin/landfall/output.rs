@@ -54,6 +54,7 @@ impl From<Error> for Failure {
     }
 }
 
+#[cfg(feature = "exec")]
 /// Why what was asked for cannot be done, as a finding: a file that cannot be read, or arguments
 /// that are wrong.
 pub fn asked_wrongly(error: Error) -> Diagnostic {
@@ -239,6 +240,7 @@ impl Streams {
         !self.quiet && io::stderr().is_terminal() && !io::stdout().is_terminal()
     }
 
+    #[cfg(feature = "exec")]
     /// Whether anybody would see progress before the product, which may go to the same terminal.
     pub fn shows_progress_first(&self) -> bool {
         !self.quiet && io::stderr().is_terminal()

@@ -92,7 +92,7 @@ fn may_show(text: &str) -> bool {
         || ["VULKAN", "subpassInput", "rayPayload", "#include", "\\\n", "\\\r"].into_iter().any(has)
         || memchr::memmem::find_iter(text.as_bytes(), b"set").any(|at| {
             let inside = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
-            !text[..at].as_bytes().last().copied().is_some_and(inside)
+            !text.as_bytes()[..at].last().copied().is_some_and(inside)
                 && !text.as_bytes().get(at + 3).copied().is_some_and(inside)
         })
 }
