@@ -1,7 +1,7 @@
 //! The layouts of one shader: its text read, its blocks laid out, findings collected.
 
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::layout::BlockLayout;
+use crate::layout::{BlockLayout, targets};
 use crate::shape::{Override, Rules};
 use crate::source::{Files, Language, ReadOptions, Source, Stage, Target};
 use crate::syntax::Parsed;
@@ -58,7 +58,7 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     let (assumed, bodies) = (parsed.assumed, parsed.bodies.clone());
     let mut shader = placed(source, options, parsed);
     if let Some(target) = assumed.filter(|_| !shader.has_errors()) {
-        crate::layout::targets::compare(source, options, &mut shader, target);
+        compare_targets(source, options, &mut shader, target);
     }
     #[cfg(feature = "naga")]
     // naga is not asked about a text that is refused here: it panics on some of those.
@@ -68,6 +68,21 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     #[cfg(not(feature = "naga"))]
     let _ = bodies;
     shader
+}
+
+/// Lays a text out for the other API as well, and notes what differs in `shader`.
+fn compare_targets(source: &Source, options: &Options, shader: &mut ShaderLayout, target: Target) {
+    let read = ReadOptions { target: Some(targets::other(target)), ..options.read.clone() };
+    let options = Options { read, naga: false, ..options.clone() };
+    let parsed = crate::syntax::parse(source, &options.read, options.gather);
+    let there = placed(source, &options, parsed);
+    if there.has_errors() {
+        return; // what cannot be read for the other API is not written for it
+    }
+    if let Some(mut found) = targets::compare(&shader.blocks, &there.blocks, target) {
+        shader.assumed_target = Some(target);
+        shader.diagnostics.append(&mut found);
+    }
 }
 
 /// Lays out what was read of a shader.

@@ -44,7 +44,7 @@ mod walk;
 mod webgl2_size;
 
 pub use definition::{Check, Lint, Subject};
-pub use registry::{LINTS, lint, renamed};
+pub use registry::{LINTS, lint, renamed, resolve_renamed};
 pub use reorder_saves::smaller_order;
 
 pub use landfall_layout::finding::{Edit, Finding, Level, Place, Related};

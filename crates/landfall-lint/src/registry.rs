@@ -1,6 +1,7 @@
 //! The list of all lints.
 
 use super::definition::Lint;
+use super::settings::Settings;
 use super::{
     array_stride_waste, block_mismatch, bool_in_block, buffer_too_small, define_changes_layout,
     driver_disagrees, hazards, layout_drift, lock_missing, lock_orphan, mat3_padding,
@@ -65,4 +66,17 @@ pub fn lint(code: &str) -> Option<&'static Lint> {
 pub fn renamed(code: &str) -> Option<&'static str> {
     let hazard = Hazard::named(code).filter(|hazard| hazard.info().aliases.contains(&code))?;
     lint(hazard.code()).map(|lint| lint.code).filter(|now| *now != code)
+}
+
+/// Puts the codes of lints in place of earlier spellings; returns both of each, once.
+pub fn resolve_renamed(settings: &mut Settings) -> Vec<(String, &'static str)> {
+    let mut found = Vec::new();
+    for (code, _) in &mut settings.levels {
+        let Some(now) = renamed(code) else { continue };
+        let was = std::mem::replace(code, now.to_string());
+        if !found.iter().any(|(known, _)| *known == was) {
+            found.push((was, now));
+        }
+    }
+    found
 }

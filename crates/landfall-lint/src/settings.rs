@@ -5,8 +5,6 @@
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-use super::renamed;
-
 use landfall_layout::finding::{Level, Place};
 
 /// What lints are told.
@@ -28,21 +26,6 @@ pub struct Settings {
     /// The Rust files those name, and others whose comments may name mirrors.
     #[serde(skip)]
     pub rust_files: Vec<RustFile>,
-}
-
-impl Settings {
-    /// Puts the codes of lints in place of earlier spellings; returns both of each, once.
-    pub fn resolve_renamed(&mut self) -> Vec<(String, &'static str)> {
-        let mut found = Vec::new();
-        for (code, _) in &mut self.levels {
-            let Some(now) = renamed(code) else { continue };
-            let was = std::mem::replace(code, now.to_string());
-            if !found.iter().any(|(known, _)| *known == was) {
-                found.push((was, now));
-            }
-        }
-        found
-    }
 }
 
 /// An API whose guaranteed limits a shader has to keep.

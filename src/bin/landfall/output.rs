@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, IsTerminal, Write};
 use std::process::ExitCode;
 
 use anstream::{AutoStream, ColorChoice};
+#[cfg(feature = "exec")]
 use landfall_layout::error::ErrorKind;
 use landfall_layout::format as emit;
 use landfall_layout::format::Paint;

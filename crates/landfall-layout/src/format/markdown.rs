@@ -10,7 +10,7 @@ use crate::text::escape::markdown_code as code;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let mut text = format!("# {}\n", code(&shader.path));
-    if let Some(note) = targets::note(shader) {
+    if let Some(note) = targets::note(shader.assumed_target) {
         text.push_str(&format!("\nNote: {note}.\n"));
     }
     if shader.blocks.is_empty() {

@@ -28,7 +28,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         text.push_str(&paint.text(FAINT, &format!(" ({})", stage.name())));
     }
     text.push('\n');
-    if let Some(note) = targets::note(shader) {
+    if let Some(note) = targets::note(shader.assumed_target) {
         text.push_str(&paint.text(CAUTION, &format!("  {note}\n")));
     }
     if shader.blocks.is_empty() {

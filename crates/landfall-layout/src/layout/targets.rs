@@ -2,8 +2,7 @@
 
 use crate::diagnostic::Code;
 use crate::layout::BlockLayout;
-use crate::shader::{Options, ShaderLayout, placed};
-use crate::source::{ReadOptions, Source, Target};
+use crate::source::Target;
 use crate::{Diagnostic, Span};
 
 /// The code of a block whose layout depends on the target; a lint goes by that name.
@@ -39,41 +38,31 @@ pub fn other(target: Target) -> Target {
 }
 
 /// `read as OpenGL's; for Vulkan its blocks differ`, for a shader that had a target assumed.
-pub fn note(shader: &ShaderLayout) -> Option<String> {
-    let target = shader.assumed_target?;
+pub fn note(assumed: Option<Target>) -> Option<String> {
+    let target = assumed?;
     let (this, that) = (name(target), name(other(target)));
     Some(format!("read as {this}'s, which the text does not say; for {that} its blocks differ"))
 }
 
-/// Lays a text out for the other API as well, and notes what differs in `shader`.
+/// The diagnostics of blocks that are laid out otherwise for the other API, `there`; `None` where
+/// all are alike.
 pub(crate) fn compare(
-    source: &Source,
-    options: &Options,
-    shader: &mut ShaderLayout,
+    here: &[BlockLayout],
+    there: &[BlockLayout],
     target: Target,
-) {
-    let read = ReadOptions { target: Some(other(target)), ..options.read.clone() };
-    let options = Options { read, naga: false, ..options.clone() };
-    let parsed = crate::syntax::parse(source, &options.read, options.gather);
-    let there = placed(source, &options, parsed);
-    if there.has_errors() {
-        return; // what cannot be read for the other API is not written for it
-    }
-    let mut differs = shader.blocks.len() != there.blocks.len();
+) -> Option<Vec<Diagnostic>> {
+    let mut differs = here.len() != there.len();
     let mut found = Vec::new();
-    for block in &shader.blocks {
+    for block in here {
         let same = |b: &&BlockLayout| b.name == block.name && b.space == block.space;
-        match there.blocks.iter().find(same) {
+        match there.iter().find(same) {
             Some(copy) => found.extend(
                 change(block, copy).map(|(text, span)| diagnostic(block, &text, span, target)),
             ),
             None => differs = true,
         }
     }
-    if differs || !found.is_empty() {
-        shader.assumed_target = Some(target);
-    }
-    shader.diagnostics.append(&mut found);
+    (differs || !found.is_empty()).then_some(found)
 }
 
 /// The first leaf that is elsewhere, gone or new, or a block of another size.

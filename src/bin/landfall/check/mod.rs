@@ -50,12 +50,9 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     config.exclude.ready();
     let mut settings = match config.settings(&args.levels.levels, &args.text.targets) {
-        Ok(settings) => settings,
+        Ok(settings) => renamed(settings, streams),
         Err(found) => return Ok(could_not(found, streams)),
     };
-    for (was, now) in settings.resolve_renamed() {
-        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
-    }
     let options = config.options(&args.text, &args.levels.defines);
     let paths = config.paths(&args.paths);
     if Basis::wants_rust(&settings) {
@@ -280,4 +277,12 @@ fn diff(
     }
     streams.notes(&format!("{} would be mended\n", counted(files.len(), "file")));
     Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
+}
+
+/// The settings with the codes that lints have now; earlier spellings are noted.
+fn renamed(mut settings: landfall_lint::Settings, streams: &Streams) -> landfall_lint::Settings {
+    for (was, now) in landfall_lint::resolve_renamed(&mut settings) {
+        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
+    }
+    settings
 }
