@@ -108,7 +108,13 @@ fn enumerate(backends: Backends) -> Vec<Adapter> {
         flags: wgpu::InstanceFlags::empty(),
         ..InstanceDescriptor::new_without_display_handle()
     };
-    pollster::block_on(Instance::new(descriptor).enumerate_adapters(backends))
+    let instance = Instance::new(descriptor);
+    if backends.contains(Backends::GL) {
+        // wgpu 30 terminates EGL's display with its instance, and with it the contexts that
+        // others of this process have on the same display: this one is never dropped.
+        std::mem::forget(instance.clone());
+    }
+    pollster::block_on(instance.enumerate_adapters(backends))
 }
 
 fn full_name(adapter: &Adapter) -> String {
