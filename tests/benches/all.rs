@@ -1,4 +1,4 @@
-//! Landfall beside other tools in one table: `cargo bench --bench all`, with `-- --markdown` as
+//! Landfall beside other tools in one table: `cargo bench --features full --bench all`, with `-- --markdown` as
 //! the README has it.
 //!
 //! Every row is two things measured in turns in one run: their ratio, and where 8 of 10 pairs

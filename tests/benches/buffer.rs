@@ -1,4 +1,4 @@
-//! How fast bytes are set by name, as ratios in one run: `cargo bench --bench buffer`.
+//! How fast bytes are set by name, as ratios in one run: `cargo bench --features full --bench buffer`.
 //!
 //! The block is the light array of 128 point lights, whose 769 names an engine formats and looks
 //! up.

@@ -1,7 +1,7 @@
 //! How fast a check of a whole tree is: cold against `layout` on the same tree, warm against
 //! cold, and with one shader changed.
 //!
-//! `cargo bench --bench check` writes two trees of 2,000 shaders and measures on both: one in
+//! `cargo bench --features full --bench check` writes two trees of 2,000 shaders and measures on both: one in
 //! which every file declares `Lights` in its own way, so that every file is found fault with,
 //! and one in which each file's blocks have names of their own.
 

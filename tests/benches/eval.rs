@@ -1,5 +1,5 @@
 //! How long the evaluator takes for a fragment lit by six lights, and for an operation:
-//! `cargo bench --bench eval`.
+//! `cargo bench --features full --bench eval`.
 
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 //! command against `glslangValidator` and `naga` run once a file, its start
 //! against a program that prints a line, and its memory.
 //!
-//! `cargo bench --bench layout [-- DIR…]` measures on the shaders of this
+//! `cargo bench --features full --bench layout [-- DIR…]` measures on the shaders of this
 //! repository, on those in DIR…, and on a tree of 2,000 files it writes.
 
 mod measure;

@@ -1,4 +1,4 @@
-//! What lighting costs and what skipping saves: `cargo bench --bench light`, which with
+//! What lighting costs and what skipping saves: `cargo bench --features full --bench light`, which with
 //! `--no-default-features` builds without drivers.
 //!
 //! Times are CPU time of this thread, each contest in turns A B, B A, the median of the rounds

@@ -1,4 +1,4 @@
-//! Whether a bench ranks on a busy machine as on an idle one: `cargo bench --bench load`.
+//! Whether a bench ranks on a busy machine as on an idle one: `cargo bench --features full --bench load`.
 //!
 //! Four workloads whose costs are known, measured as `landfall bench` measures: as the machine
 //! is, and again beside twice as many busy processes as it has threads. Exits with 1 if the ranks

@@ -1,7 +1,7 @@
 //! How fast the readers prove and compute: probes a second, the first answer of the command,
 //! hundreds of shaders on one device, and the evaluator against a Vulkan driver on an image.
 //!
-//! `cargo bench --bench readers`. Ratios are of things measured in turns in one run. Needs
+//! `cargo bench --features full --bench readers`. Ratios are of things measured in turns in one run. Needs
 //! drivers (Debian packages `mesa-vulkan-drivers`, `libvulkan1`, `libegl1`, `libgl1-mesa-dri`).
 
 #[path = "../support/files.rs"]
@@ -31,7 +31,7 @@ const MANY: usize = 300;
 
 fn main() {
     println!("medians (least to most); processor time where a ratio is of one device to another\n");
-    // `cargo bench --bench readers -- probes` leaves the rest out.
+    // `cargo bench --features full --bench readers -- probes` leaves the rest out.
     if !std::env::args().any(|argument| argument == "probes") {
         first_answer();
         image();

@@ -1,7 +1,7 @@
 //! Ten lines: the mirrors of the shaders, made anew whenever a shader or an include changes.
 
-fn main() -> Result<(), landfall_layout::BuildError> {
-    landfall_layout::Build::new()
+fn main() -> Result<(), landfall::BuildError> {
+    landfall::Build::new()
         .shader("shaders/lights.frag")
         .shader("shaders/particles.comp")
         .include("shaders/include")

@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use landfall_layout::{Language, Options, Source, Stage, layout};
+use landfall::{Language, Options, Source, Stage, layout};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
@@ -12,7 +12,6 @@ fuzz_target!(|text: &str| {
             text: text.into(),
             language,
             stage: Some(Stage::Fragment),
-            foreign: None,
         };
         layout(&source, &Options { gather: true, ..Options::default() });
     }
