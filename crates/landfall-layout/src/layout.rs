@@ -46,7 +46,7 @@ pub struct BlockLayout {
     /// Whether the text, or the language itself, says these rules; if not, they are the driver's.
     pub rules_declared: bool,
     /// Whether it is the loose uniforms of a GLSL text, which declares no such block; its name is
-    /// [`DEFAULT_BLOCK`], as that of a declared block may be.
+    /// `DEFAULT_BLOCK`, as that of a declared block may be.
     pub gathered: bool,
     /// `set = N`, `@group(N)`.
     pub group: Option<u32>,

@@ -1,8 +1,8 @@
 //! From tokens to the syntax tree of [`ast`](super::ast): the parser of GLSL.
 //!
-//! [`declaration`] (with [`qualifiers`]) reads what stands outside functions and recovers from syntax errors
-//! ([`recover`]); it keeps expressions and bodies as ranges of tokens. [`complete`] parses those,
-//! with [`expression`] and [`statement`].
+//! `declaration` (with `qualifiers`) reads what stands outside functions and recovers from syntax errors
+//! (`recover`); it keeps expressions and bodies as ranges of tokens. `complete` parses those,
+//! with `expression` and `statement`.
 
 mod complete;
 mod declaration;
