@@ -51,7 +51,7 @@ fn assert_near_linear(
 ) {
     let (few, many) = (text(small), text(8 * small));
     let measure = |text: &str| {
-        let runs = (0..3).map(|_| seconds(|| work(text)));
+        let runs = (0..5).map(|_| seconds(|| work(text)));
         runs.fold(f64::INFINITY, f64::min).max(1e-3)
     };
     let (few, many) = (measure(&few), measure(&many));
@@ -67,9 +67,9 @@ fn texts_of_many_members_and_blocks_take_linear_time() {
         landfall_layout::lock::read("a.json", &lock).expect("a lock");
     };
     for (name, text) in [("members", &block_of as &dyn Fn(usize) -> String), ("blocks", &blocks)] {
-        assert_near_linear(&format!("layout of {name}"), 300, lay_out, text);
-        assert_near_linear(&format!("C header of {name}"), 300, header, text);
-        assert_near_linear(&format!("lock of {name}"), 300, lock, text);
+        assert_near_linear(&format!("layout of {name}"), 1_500, lay_out, text);
+        assert_near_linear(&format!("C header of {name}"), 1_500, header, text);
+        assert_near_linear(&format!("lock of {name}"), 1_500, lock, text);
     }
 }
 
