@@ -14,7 +14,7 @@ use landfall_layout::layout::MemberLayout;
 use landfall_layout::shape::Type;
 use landfall_layout::source::{Files, Language, Source, Span, Stage};
 use landfall_layout::{BlockLayout, Diagnostic, Options, Severity, layout};
-use landfall_layout::{naga_compare::variable_of, naga_front::is_bounded};
+use landfall_layout::{naga_compare::variable_of, naga_front};
 
 /// A WGSL shader by naga's front end, its blocks where our layout says.
 pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
@@ -74,7 +74,11 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
         });
         vec![Diagnostic::error(Code::CannotRun, span.unwrap_or_default(), message)]
     };
-    if !is_bounded(text) {
+    let bounded = match source.language {
+        Language::Glsl => naga_front::is_bounded_glsl(text),
+        Language::Wgsl => naga_front::is_bounded(text),
+    };
+    if !bounded {
         return Err(refused(None, "the text is too long or nests too deep for naga".to_string()));
     }
     let result = panic::catch_unwind(AssertUnwindSafe(|| match source.language {

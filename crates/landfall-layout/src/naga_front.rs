@@ -49,6 +49,9 @@ pub fn glsl_whole(
     stage: Option<Stage>,
     defines: &[(String, String)],
 ) -> Option<Module> {
+    if !is_bounded_glsl(text) {
+        return None;
+    }
     let stage = match stage.map_or(Some(ExecutableStage::Vertex), ExecutableStage::of)? {
         ExecutableStage::Vertex => naga::ShaderStage::Vertex,
         ExecutableStage::Fragment => naga::ShaderStage::Fragment,
@@ -65,7 +68,11 @@ pub fn is_bounded(text: &str) -> bool {
         && nesting(text) <= DEEPEST_BRACKETS
         && longest_chain(text) <= LONGEST_CHAIN
         && text.bytes().filter(|&byte| byte == b';').count() <= MOST_STATEMENTS
-        && nested_members(text) <= MOST_NESTED_MEMBERS
+}
+
+/// Whether a GLSL text is one that naga can be trusted with.
+pub fn is_bounded_glsl(text: &str) -> bool {
+    is_bounded(text) && nested_members(text) <= MOST_NESTED_MEMBERS
 }
 
 /// About how many members the structures of a text have, those of their members counted again

@@ -71,9 +71,13 @@ fn hostile_strings_come_back() {
     }
 }
 
-/// What colours a log is left out.
+/// Marks that turn the direction of text, and Unicode's ends of lines (UAX #9, §2; UAX #14, BK).
+const BIDI: &str = "\u{61c}\u{200e}\u{200f}\u{202a}\u{202b}\u{202c}\u{202d}\u{202e}\
+                    \u{2066}\u{2067}\u{2068}\u{2069}\u{2028}\u{2029}";
+
+/// What colours a log or turns its text around is left out.
 fn kept(text: &str) -> String {
-    let kept = |c: char| !c.is_control() || "\t\r\n".contains(c);
+    let kept = |c: char| !(c.is_control() || BIDI.contains(c)) || "\t\r\n".contains(c);
     text.chars().map(|c| if kept(c) { c } else { '\u{fffd}' }).collect()
 }
 

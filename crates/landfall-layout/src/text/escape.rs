@@ -128,7 +128,9 @@ fn commands(text: &str) -> Cow<'_, str> {
             line = Cow::Owned(before.to_string() + &after.replace("##", "#\u{fe5f}"));
         }
         let at = command_start(&line);
-        match line[at..].starts_with("::") {
+        // ` ::: shaders/a.vert:2:24` opens an excerpt of another file: no command without `::` again.
+        let excerpt = line[at..].strip_prefix("::: ").is_some_and(|rest| !rest.contains("::"));
+        match line[at..].starts_with("::") && !excerpt {
             true => {
                 result.push_str(&line[..at]);
                 result.push_str("./");
@@ -269,6 +271,8 @@ mod tests {
             ("a\n  ::debug::x", "a\n  ./::debug::x"),
             ("a ##[error]b ##vso[task]", "a #\u{fe5f}[error]b #\u{fe5f}vso[task]"),
             ("a::b ## c", "a::b ## c"),
+            (" ::: shaders/copy.vert:2:24\n", " ::: shaders/copy.vert:2:24\n"),
+            ("::: a::error::x", "./::: a::error::x"),
         ] {
             assert_eq!(output(text, Styles::Shown), safe);
         }
